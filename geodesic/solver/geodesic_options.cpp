@@ -1,0 +1,37 @@
+#include "geodesic/solver/geodesic_options.h"
+
+namespace morphodesic {
+
+std::vector<std::string> GeodesicOptions::problems() const {
+    std::vector<std::string> found;
+    const auto require = [&](bool holds, const char* sentence) {
+        if (!holds) found.emplace_back(sentence);
+    };
+    require(level >= 3 && level <= 10, "level must be between 3 and 10");
+    require(time_steps >= 1 && time_steps <= 256 && (time_steps & (time_steps - 1)) == 0,
+            "steps must be a power of two between 1 and 256");
+    require(mismatch_weight_per_step > 0, "mismatch-weight-per-step must be positive");
+    require(mismatch_weight >= 0, "mismatch-weight must not be negative");
+    require(lambda >= 0, "lambda must not be negative");
+    require(mu > 0, "mu must be positive");
+    require(outside_stiffness > 0 && outside_stiffness <= 1, "outside-stiffness must lie in (0, 1]");
+    require(area_weight >= 0, "area-weight must not be negative");
+    require(tolerance > 0 && tolerance < 1, "tolerance must lie in (0, 1)");
+    require(max_iterations > 0, "max-iterations must be positive");
+    require(align == "rigid" || align == "translation" || align == "none",
+            "align must be rigid, translation or none");
+    require(starts >= 1, "starts must be at least 1");
+    return found;
+}
+
+const char* to_string(Termination termination) {
+    switch (termination) {
+        case Termination::converged: return "converged";
+        case Termination::max_steps: return "max_steps";
+        case Termination::no_descent: return "no_descent";
+        case Termination::cancelled: return "cancelled";
+    }
+    return "unknown";
+}
+
+}  // namespace morphodesic

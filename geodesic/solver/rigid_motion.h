@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+
+#include "geodesic/grid/fields.h"
+
+namespace morphodesic {
+
+/// x -> R (x - c) + c + t with c = (1/2, ..., 1/2), R a rotation (row-major), t a translation. No reflections.
+template <int Dim>
+struct RigidMotion {
+    std::array<double, Dim * Dim> rotation = identity();
+    Point<Dim> translation{};
+
+    static constexpr std::array<double, Dim * Dim> identity() {
+        std::array<double, Dim * Dim> r{};
+        for (int a = 0; a < Dim; ++a) r[a * Dim + a] = 1.0;
+        return r;
+    }
+    [[nodiscard]] Point<Dim> operator()(const Point<Dim>& x) const {
+        Point<Dim> y{};
+        for (int a = 0; a < Dim; ++a) {
+            y[a] = 0.5 + translation[a];
+            for (int b = 0; b < Dim; ++b) y[a] += rotation[a * Dim + b] * (x[b] - 0.5);
+        }
+        return y;
+    }
+    [[nodiscard]] RigidMotion inverse() const {
+        RigidMotion m;
+        for (int a = 0; a < Dim; ++a) {
+            for (int b = 0; b < Dim; ++b) m.rotation[a * Dim + b] = rotation[b * Dim + a];
+        }
+        for (int a = 0; a < Dim; ++a) {
+            for (int b = 0; b < Dim; ++b) m.translation[a] -= m.rotation[a * Dim + b] * translation[b];
+        }
+        return m;
+    }
+};
+
+/// The shape moved by a rigid motion, u o motion^-1, sampled on a grid of the given level with cubic interpolation.
+/// Beyond the cube u is continued as a distance.
+template <int Dim>
+LevelSet<Dim> moved(const LevelSet<Dim>& u, const RigidMotion<Dim>& motion, int level);
+
+}  // namespace morphodesic
