@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/shape_source.h"
+
+namespace morphodesic::datasets {
+
+struct ScanOptions {
+    /// Where class labels come from: csv (labels.csv in the folder: file,label), folder (the folder a file lies in),
+    /// name (before the last '-' or '_', else before the digits at the end), none, or auto: the first of these that is
+    /// there.
+    std::string labels = "auto";
+
+    [[nodiscard]] std::vector<std::string> problems() const;  ///< every violated constraint; empty if usable
+};
+
+/// A file or folder that could not be taken in.
+struct ScanProblem {
+    std::filesystem::path path;
+    std::string problem, remedy;
+    [[nodiscard]] std::string message() const { return path.string() + ": " + problem + "; " + remedy; }
+};
+
+struct ScanResult {
+    std::vector<ShapeSource> sources;   ///< sorted by name, bytewise
+    std::vector<ScanProblem> problems;  ///< unreadable folders, dangling links, ...: lost input
+    std::vector<std::string> notes;     ///< worth knowing, nothing lost: rows of labels.csv without a file, ...
+};
+
+/// All shape files below a folder. Hidden files, other kinds of files and study folders are skipped; links are
+/// followed, every folder is read once (so loops end).
+/// @throws ReadError if the folder or its labels.csv cannot be read
+/// @throws std::invalid_argument if the options have problems
+ScanResult scan_folder(const std::filesystem::path& folder, const ScanOptions& options = {});
+
+}  // namespace morphodesic::datasets

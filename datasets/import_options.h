@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace morphodesic::datasets {
+
+/// How files are read. One list of fields feeds command line, hash, store and report.
+struct ImportOptions {
+    std::string foreground = "auto";  ///< auto | dark | light | alpha: which pixels are the object
+    double speck_fraction =
+        0.002;                     ///< components and holes below this share of the shape's area are removed, in [0, 1)
+    double max_megapixels = 64.0;  ///< images with more pixels are refused before memory is asked for, > 0
+
+    template <class Self, class Visitor>
+    static void for_each_field(Self& self, Visitor&& visit) {
+        visit("foreground", self.foreground, "pixels that are the object: auto, dark, light or alpha");
+        visit("speck-fraction", self.speck_fraction, "specks and pinholes below this share of the shape are removed");
+        visit("max-megapixels", self.max_megapixels, "refuse images with more than this many million pixels");
+    }
+    /// Every violated constraint, in words; empty if the options are usable.
+    [[nodiscard]] std::vector<std::string> problems() const;
+    friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
+};
+
+}  // namespace morphodesic::datasets

@@ -1,0 +1,104 @@
+#include "datasets/normalize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "datasets/content_digest.h"
+#include "datasets/read_error.h"
+
+namespace morphodesic::datasets {
+
+namespace {
+
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f", 100.0 * share);
+    return text;
+}
+
+}  // namespace
+
+std::vector<std::string> NormalizeOptions::problems() const {
+    std::vector<std::string> result;
+    if (mode != "common" && mode != "each" && mode != "none") {
+        result.push_back("normalize must be common, each or none, not \"" + mode + "\"");
+    }
+    if (!(scale >= 0.0 && std::isfinite(scale))) result.push_back("the common scale must be finite and not negative");
+    if (level < 1 || level > 10) result.push_back("the grid level must be from 1 to 10");
+    return result;
+}
+
+double common_scale(std::span<const double> extent_radii) {
+    if (extent_radii.empty()) throw std::invalid_argument("a common scale needs at least one shape");
+    const double largest = *std::max_element(extent_radii.begin(), extent_radii.end());
+    if (!(largest > 0.0 && std::isfinite(largest)))
+        throw std::invalid_argument("extent radii must be positive and finite");
+    return largest_extent_radius / largest;
+}
+
+template <int Dim>
+Placement<Dim> placement_of(const RawShape<Dim>& raw, const NormalizeOptions& options,
+                            std::vector<std::string>* notes) {
+    Placement<Dim> placement;
+    Point<Dim> middle = raw.centroid;
+    const double fitting = largest_extent_radius / raw.extent_radius;
+    if (options.mode == "none") {
+        double side = 0.0;
+        for (int a = 0; a < Dim; ++a) {
+            side = std::max(side, raw.frame_high[a] - raw.frame_low[a]);
+            middle[a] = 0.5 * (raw.frame_low[a] + raw.frame_high[a]);
+        }
+        placement.scale = 1.0 / side;
+    } else if (options.mode == "each") {
+        placement.scale = std::pow(unit_volume<Dim> / raw.volume, 1.0 / Dim);
+        if (placement.scale > fitting) {
+            placement.scale = fitting;
+            if (notes != nullptr) {
+                notes->push_back("Long and thin: scaled to " +
+                                 percent(raw.volume * std::pow(fitting, Dim) / unit_volume<Dim>) + " % of the unit " +
+                                 (Dim == 2 ? "area" : "volume") + " so that it fits into the cube.");
+            }
+        }
+    } else {
+        placement.scale = options.scale > 0.0 ? options.scale : fitting;
+        // A shape that joins a finished collection may be larger than all that the scale was made for.
+        if (placement.scale * raw.extent_radius > 0.47) {
+            placement.scale = fitting;
+            if (notes != nullptr) {
+                notes->push_back("Too large for the common scale: shrunk to fit, its size is not comparable.");
+            }
+        }
+    }
+    for (int a = 0; a < Dim; ++a) placement.offset[a] = 0.5 - placement.scale * middle[a];
+    return placement;
+}
+
+template <int Dim>
+Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) {
+    for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
+    Shape<Dim> shape;
+    shape.name = raw.source.name;
+    shape.label = raw.source.label;
+    shape.notes = raw.notes;
+    const Placement<Dim> placement = placement_of(raw, options, &shape.notes);
+    const DyadicGrid<Dim> grid(options.level);
+    shape.level_set = raw.geometry->signed_distance(grid, placement);
+    shape.occlusion_mask = raw.geometry->occlusion_mask(grid, placement);
+    shape.scale = placement.scale;
+    shape.volume = raw.volume * std::pow(placement.scale, Dim);
+    if (std::none_of(shape.level_set.values.begin(), shape.level_set.values.end(), [](double u) { return u > 0.0; })) {
+        throw ReadError(raw.source.path, "at the collection's scale no node of the grid lies in the shape",
+                        "use a finer --level, or --normalize each, or leave the shape out");
+    }
+    shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);
+    return shape;
+}
+
+template Placement<2> placement_of<2>(const RawShape<2>&, const NormalizeOptions&, std::vector<std::string>*);
+template Placement<3> placement_of<3>(const RawShape<3>&, const NormalizeOptions&, std::vector<std::string>*);
+template Shape<2> normalize<2>(const RawShape<2>&, const NormalizeOptions&);
+template Shape<3> normalize<3>(const RawShape<3>&, const NormalizeOptions&);
+
+}  // namespace morphodesic::datasets

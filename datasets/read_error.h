@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace morphodesic::datasets {
+
+/// An input file cannot be used. The message names the file, what is wrong and what to do about it.
+class ReadError : public std::runtime_error {
+public:
+    /// @param problem  what is wrong, without a full stop: "the image has only one colour"
+    /// @param remedy   what the user can do, without a full stop: "draw the shape in another colour than its
+    /// background"
+    ReadError(const std::filesystem::path& file, const std::string& problem, const std::string& remedy)
+        : std::runtime_error(file.string() + ": " + problem + "; " + remedy),
+          file_(file),
+          problem_(problem),
+          remedy_(remedy) {}
+
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+    [[nodiscard]] const std::string& problem() const { return problem_; }
+    [[nodiscard]] const std::string& remedy() const { return remedy_; }
+
+private:
+    std::filesystem::path file_;
+    std::string problem_, remedy_;
+};
+
+}  // namespace morphodesic::datasets

@@ -1,0 +1,144 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "datasets/folder_scan.h"
+#include "datasets/read_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+std::vector<std::string> names(const ScanResult& result) {
+    std::vector<std::string> list;
+    for (const ShapeSource& source : result.sources) list.push_back(source.name);
+    return list;
+}
+std::vector<std::string> labels(const ScanResult& result) {
+    std::vector<std::string> list;
+    for (const ShapeSource& source : result.sources) list.push_back(source.label);
+    return list;
+}
+
+TEST(FolderScan, FindsShapesSortedBytewiseAndNothingElse) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"b.PNG", "a/z.obj", "a/A b\nc\"d\".jpg", "\xc3\xa4.gif", "B.png", ".hidden.png",
+                             ".git/x.png", "README.md", "notes.txt", "table.csv", "Makefile"}) {
+        folder.write(name, "x");
+    }
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("B.png", "a/A b\nc\"d\".jpg", "a/z.obj", "b.PNG", "\xc3\xa4.gif"));
+    EXPECT_EQ(result.sources[0].dimension, 2);
+    EXPECT_EQ(result.sources[2].dimension, 3);
+    EXPECT_THAT(result.problems, IsEmpty());
+}
+
+TEST(FolderScan, ContentOverrulesTheEnding) {
+    const tests::TemporaryFolder folder;
+    folder.write("mesh.png", "ply\nformat ascii 1.0\n");
+    folder.write("image.stl", "GIF89a......");
+    folder.write("image", "\x89PNG\r\n\x1a\n....");
+    const ScanResult result = scan_folder(folder.path());
+    ASSERT_THAT(names(result), ElementsAre("image", "image.stl", "mesh.png"));
+    EXPECT_EQ(result.sources[0].dimension, 2);
+    EXPECT_EQ(result.sources[1].dimension, 2);
+    EXPECT_EQ(result.sources[2].dimension, 3);
+}
+
+TEST(FolderScan, LabelsComeFromTheFolderElseFromTheName) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"cat/x.png", "dog/old/y.png"}) folder.write(name, "x");
+    EXPECT_THAT(labels(scan_folder(folder.path())), ElementsAre("cat", "old"));
+    const tests::TemporaryFolder flat;
+    for (const char* name : {"device0-12.png", "device0-3.png", "left_foot_1.png", "leaf07.png", "12.png"})
+        flat.write(name, "x");
+    EXPECT_THAT(labels(scan_folder(flat.path())), ElementsAre("", "device0", "device0", "leaf", "left_foot"));
+    EXPECT_THAT(labels(scan_folder(flat.path(), {"none"})), ElementsAre("", "", "", "", ""));
+    EXPECT_THAT(labels(scan_folder(folder.path(), {"name"})), ElementsAre("x", "y"));
+    EXPECT_THROW(scan_folder(flat.path(), {"colour"}), std::invalid_argument);
+}
+
+TEST(FolderScan, NamesThatAllDifferAreNotClasses) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"apple.png", "pear.png"}) folder.write(name, "x");
+    EXPECT_THAT(labels(scan_folder(folder.path())), ElementsAre("", ""));
+    EXPECT_THAT(labels(scan_folder(folder.path(), {"name"})), ElementsAre("apple", "pear"));
+}
+
+TEST(FolderScan, LabelsCsvOverrulesFolders) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"s/a,b.png", "s/c.png", "d.png"}) folder.write(name, "x");
+    folder.write("labels.csv", "file,label\n\"s/a,b.png\",one\n./d.png,two\ngone.png,three\n");
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(labels(result), ElementsAre("two", "one", ""));
+    ASSERT_THAT(result.notes, SizeIs(2));
+    EXPECT_THAT(result.notes[0], HasSubstr("1 of 3 files have no label"));
+    EXPECT_THAT(result.notes[1], HasSubstr("gone.png"));
+    EXPECT_THAT(labels(scan_folder(folder.path(), {"folder"})), ElementsAre("", "s", "s"));
+    folder.write("labels.csv", "d.png\n");
+    EXPECT_THROW(scan_folder(folder.path()), ReadError);
+    folder.write("labels.csv", "d.png,x\nd.png,y\n");
+    EXPECT_THROW(scan_folder(folder.path()), ReadError);
+}
+
+TEST(FolderScan, MasksBelongToTheShapeBesideThem) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"q/a.jpg", "q/a.mask.png", "q/lost.mask.png"}) folder.write(name, "x");
+    const ScanResult result = scan_folder(folder.path());
+    ASSERT_THAT(names(result), ElementsAre("q/a.jpg"));
+    EXPECT_EQ(result.sources[0].mask_path, folder / "q/a.mask.png");
+    ASSERT_THAT(result.notes, SizeIs(1));
+    EXPECT_THAT(result.notes[0], HasSubstr("lost.mask.png"));
+    EXPECT_EQ(single_source(folder / "q/a.jpg").mask_path, folder / "q/a.mask.png");
+}
+
+TEST(FolderScan, LinkLoopsEndAndDanglingLinksAreProblems) {
+    const tests::TemporaryFolder folder, elsewhere;
+    folder.write("a/x.png", "x");
+    elsewhere.write("far.png", "x");
+    fs::create_directory_symlink(folder.path(), folder / "a/loop");
+    fs::create_directory_symlink(folder / "a", folder / "0again");
+    fs::create_directory_symlink(elsewhere.path(), folder / "linked");
+    fs::create_symlink(folder / "a/x.png", folder / "also.png");
+    fs::create_symlink(folder / "gone", folder / "dangling.png");
+    fs::create_symlink(folder / "self.png", folder / "self.png");
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("a/x.png", "also.png", "linked/far.png"));
+    ASSERT_THAT(result.problems, SizeIs(2));
+    EXPECT_THAT(result.problems[0].message(), HasSubstr("dangling.png: the link leads nowhere"));
+}
+
+TEST(FolderScan, UnreadableFoldersAreProblemsAndTheRestGoesOn) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may read every folder";
+    const tests::TemporaryFolder folder;
+    folder.write("a/x.png", "x");
+    folder.write("b/y.png", "x");
+    fs::permissions(folder / "a", fs::perms::none);
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("b/y.png"));
+    ASSERT_THAT(result.problems, SizeIs(1));
+    EXPECT_EQ(result.problems[0].path, folder / "a");
+}
+
+TEST(FolderScan, StudyFoldersInsideTheCollectionAreSkipped) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"a.png", "old.study/study.sqlite", "old.study/paths/a.png"}) folder.write(name, "x");
+    EXPECT_THAT(names(scan_folder(folder.path())), ElementsAre("a.png"));
+}
+
+TEST(FolderScan, AMissingFolderIsAnErrorThatSaysSo) {
+    const tests::TemporaryFolder folder;
+    EXPECT_THROW(scan_folder(folder / "gone"), ReadError);
+    EXPECT_THROW(scan_folder(folder.write("file.png", "x")), ReadError);
+    EXPECT_THROW(single_source(folder / "gone.png"), ReadError);
+    EXPECT_THROW(single_source(folder.write("text.txt", "x")), ReadError);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets
