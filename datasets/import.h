@@ -17,6 +17,10 @@ namespace morphodesic::datasets {
 /// @throws std::invalid_argument if the options have problems
 template <int Dim>
 RawShape<Dim> read_shape(const ShapeSource& source, const ImportOptions& options = {});
+template <>
+RawShape<2> read_shape<2>(const ShapeSource& source, const ImportOptions& options);
+template <>
+RawShape<3> read_shape<3>(const ShapeSource& source, const ImportOptions& options);
 
 /// read_shape and normalize in one call, for a shape that needs no scale common with others (or whose scale is known).
 template <int Dim>

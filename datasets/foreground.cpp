@@ -1,0 +1,239 @@
+#include "datasets/foreground.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "datasets/read_error.h"
+
+namespace morphodesic::datasets {
+
+namespace {
+
+constexpr const char* try_foreground = "if there is a shape in it, say which with --foreground dark, light or alpha";
+
+std::vector<std::size_t> border_pixels(const PixelImage& image) {
+    std::vector<std::size_t> border;
+    const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+    for (std::size_t y = 0; y < height; ++y) {
+        for (std::size_t x = 0; x < width; x += (y == 0 || y + 1 == height || width == 1) ? 1 : width - 1)
+            border.push_back(y * width + x);
+    }
+    return border;
+}
+
+/// Values of one number per pixel, split into two classes.
+struct Split {
+    double threshold = 0.0;
+    double low = 0.0, high = 0.0;  ///< medians of the classes
+    double share_near_high = 0.0;  ///< share of the high class that is close to its median
+    bool found = false;            ///< false if all values are (almost) equal
+};
+
+/// Otsu's threshold on a histogram over the range of the values; the middle of the gap if the maximum is a plateau.
+Split otsu(const std::vector<float>& values, double smallest_contrast) {
+    constexpr std::size_t bins = 1024;
+    const auto [low_it, high_it] = std::minmax_element(values.begin(), values.end());
+    const double low = *low_it, high = *high_it;
+    Split split;
+    if (high - low < smallest_contrast) return split;
+    std::array<double, bins> count{};
+    const double to_bin = (bins - 1) / (high - low);
+    for (const float v : values) count[static_cast<std::size_t>((v - low) * to_bin + 0.5)] += 1.0;
+    double sum = 0.0;
+    for (std::size_t b = 0; b < bins; ++b) sum += double(b) * count[b];
+    const double n = double(values.size());
+    double below = 0.0, sum_below = 0.0, best = -1.0, first = 0.0, last = 0.0;
+    for (std::size_t b = 0; b + 1 < bins; ++b) {
+        below += count[b];
+        sum_below += double(b) * count[b];
+        if (below == 0.0 || below == n) continue;
+        const double gap = sum_below / below - (sum - sum_below) / (n - below);
+        const double between = below * (n - below) * gap * gap;
+        if (between > best * (1.0 + 1e-12)) {
+            best = between;
+            first = double(b);
+        }
+        if (between >= best * (1.0 - 1e-12)) last = double(b);
+    }
+    const double threshold_bin = 0.5 * (first + last) + 0.5;
+    const auto median = [&](std::size_t from, std::size_t to) {
+        double all = 0.0, so_far = 0.0;
+        for (std::size_t b = from; b < to; ++b) all += count[b];
+        for (std::size_t b = from; b < to; ++b) {
+            so_far += count[b];
+            if (so_far >= 0.5 * all) return low + double(b) / to_bin;
+        }
+        return low + double(to) / to_bin;
+    };
+    const auto cut = static_cast<std::size_t>(std::ceil(threshold_bin));
+    split.threshold = low + threshold_bin / to_bin;
+    split.low = median(0, cut);
+    split.high = median(cut, bins);
+    double near = 0.0, above = 0.0;
+    for (std::size_t b = cut; b < bins; ++b) {
+        above += count[b];
+        if (std::abs(low + double(b) / to_bin - split.high) < 0.25 * (split.high - split.low)) near += count[b];
+    }
+    split.share_near_high = above > 0.0 ? near / above : 0.0;
+    split.found = true;
+    return split;
+}
+
+/// Colours in [0,1], transparent pixels laid over a tone.
+std::array<float, 3> colour_over(const PixelImage& image, std::size_t pixel, float tone) {
+    const std::uint16_t* v = image.at(pixel);
+    const auto scale = static_cast<float>(1.0 / image.max_value);
+    std::array<float, 3> c{};
+    for (int k = 0; k < 3; ++k)
+        c[static_cast<std::size_t>(k)] = scale * static_cast<float>(v[image.colours() == 3 ? k : 0]);
+    if (image.has_alpha()) {
+        const float alpha = scale * static_cast<float>(v[image.channels - 1]);
+        for (float& x : c) x = alpha * x + (1.0F - alpha) * tone;
+    }
+    return c;
+}
+
+/// Mean colour of the most common cell of the colour cube (16 per axis) along the border, with the cells around it.
+std::array<float, 3> border_colour(const std::vector<std::array<float, 3>>& border) {
+    std::map<std::array<int, 3>, int> cells;
+    const auto cell_of = [](const std::array<float, 3>& c) {
+        return std::array<int, 3>{static_cast<int>(c[0] * 15.99F), static_cast<int>(c[1] * 15.99F),
+                                  static_cast<int>(c[2] * 15.99F)};
+    };
+    for (const auto& c : border) ++cells[cell_of(c)];
+    const auto most = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) {
+                          return a.second < b.second;
+                      })->first;
+    std::array<double, 3> sum{};
+    double n = 0.0;
+    for (const auto& c : border) {
+        const auto cell = cell_of(c);
+        if (std::abs(cell[0] - most[0]) > 1 || std::abs(cell[1] - most[1]) > 1 || std::abs(cell[2] - most[2]) > 1)
+            continue;
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += c[k];
+        n += 1.0;
+    }
+    return {static_cast<float>(sum[0] / n), static_cast<float>(sum[1] / n), static_cast<float>(sum[2] / n)};
+}
+
+class ForegroundFinder {
+public:
+    ForegroundFinder(const PixelImage& image, const std::filesystem::path& file, std::vector<std::string>& notes)
+        : image_(image), file_(file), notes_(notes) {
+        result_.width = image.width;
+        result_.height = image.height;
+        result_.values.resize(image.pixel_count());
+    }
+
+    Coverage find(const std::string& foreground) {
+        if (foreground == "alpha" && !image_.has_alpha()) {
+            throw ReadError(file_, "the image has no alpha channel",
+                            "use another --foreground, or save it with transparency");
+        }
+        if (foreground == "alpha" || (foreground == "auto" && border_is_transparent())) {
+            from_alpha();
+        } else if (foreground == "auto") {
+            from_border_colour();
+        } else {
+            from_brightness(foreground == "dark");
+        }
+        const auto inside =
+            std::count_if(result_.values.begin(), result_.values.end(), [](float v) { return v >= 0.5F; });
+        if (inside == 0) throw ReadError(file_, "the image is empty, no pixel belongs to a shape", try_foreground);
+        if (static_cast<std::size_t>(inside) == result_.values.size()) {
+            throw ReadError(file_, "the whole image is object, no outline can be seen", try_foreground);
+        }
+        return std::move(result_);
+    }
+
+private:
+    bool border_is_transparent() {
+        if (!image_.has_alpha()) return false;
+        const auto transparent = [&](std::size_t p) {
+            return image_.at(p)[image_.channels - 1] < 0.5 * image_.max_value;
+        };
+        const std::vector<std::size_t> border = border_pixels(image_);
+        return 2 * std::count_if(border.begin(), border.end(), transparent) >
+               static_cast<std::ptrdiff_t>(border.size());
+    }
+
+    void from_alpha() {
+        for (std::size_t p = 0; p < result_.values.size(); ++p) {
+            result_.values[p] = static_cast<float>(image_.at(p)[image_.channels - 1] / image_.max_value);
+        }
+    }
+
+    void from_border_colour() {
+        std::vector<std::array<float, 3>> border;
+        for (const std::size_t p : border_pixels(image_)) border.push_back(colour_over(image_, p, 1.0F));
+        const std::array<float, 3> background = border_colour(border);
+        for (std::size_t p = 0; p < result_.values.size(); ++p) {
+            const std::array<float, 3> c = colour_over(image_, p, 1.0F);
+            float squared = 0.0F;
+            for (std::size_t k = 0; k < 3; ++k) squared += (c[k] - background[k]) * (c[k] - background[k]);
+            result_.values[p] = std::sqrt(squared / 3.0F);
+        }
+        const Split split = checked_split();
+        finish(0.0, split.share_near_high > 0.8 ? split.high : 2.0 * split.threshold);
+        double object = 0.0;
+        const std::vector<std::size_t> ring = border_pixels(image_);
+        for (const std::size_t p : ring) object += result_.values[p] >= 0.5F ? 1.0 : 0.0;
+        if (object > 0.4 * double(ring.size())) {
+            char text[160];
+            std::snprintf(text, sizeof text,
+                          "%.0f %% of the border belongs to the object; --foreground says which part is meant.",
+                          100.0 * object / double(ring.size()));
+            notes_.emplace_back(text);
+        }
+    }
+
+    void from_brightness(bool dark) {
+        for (std::size_t p = 0; p < result_.values.size(); ++p) {
+            const std::array<float, 3> c = colour_over(image_, p, dark ? 1.0F : 0.0F);
+            const float brightness = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
+            result_.values[p] = dark ? 1.0F - brightness : brightness;
+        }
+        const Split split = checked_split();
+        const bool two_tones = split.share_near_high > 0.8;
+        finish(two_tones ? split.low : 0.0, two_tones ? split.high : 2.0 * split.threshold);
+    }
+
+    /// Label images hold 0 and 1 of 255 and look black: few values need no contrast, many do.
+    Split checked_split() {
+        std::vector<float> sample;
+        for (const float v : result_.values) {
+            if (std::find(sample.begin(), sample.end(), v) == sample.end()) sample.push_back(v);
+            if (sample.size() > 4) break;
+        }
+        const Split split = otsu(result_.values, sample.size() > 4 ? 0.02 : 1e-7);
+        if (!split.found) {
+            throw ReadError(file_,
+                            sample.size() <= 1 ? "the image has only one colour" : "the image has hardly any contrast",
+                            try_foreground);
+        }
+        return split;
+    }
+
+    /// Makes `nothing` coverage 0 and `object` coverage 1.
+    void finish(double nothing, double object) {
+        const double factor = 1.0 / (object - nothing);
+        for (float& v : result_.values) v = static_cast<float>(std::clamp((v - nothing) * factor, 0.0, 1.0));
+    }
+
+    const PixelImage& image_;
+    const std::filesystem::path& file_;
+    std::vector<std::string>& notes_;
+    Coverage result_;
+};
+
+}  // namespace
+
+Coverage object_coverage(const PixelImage& image, const std::string& foreground, const std::filesystem::path& file,
+                         std::vector<std::string>& notes) {
+    return ForegroundFinder(image, file, notes).find(foreground);
+}
+
+}  // namespace morphodesic::datasets

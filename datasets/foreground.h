@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/image_pixels.h"
+#include "datasets/outline.h"
+
+namespace morphodesic::datasets {
+
+/// Which share of every pixel belongs to the object.
+///
+/// auto: the background is the most common colour along the border of the image, or what is transparent if most of the
+/// border is; the object is what differs from it, split by Otsu's threshold on the distance of colours. dark, light:
+/// Otsu's threshold on the brightness. alpha: what is opaque. In images of two tones the outline lies half-way between
+/// them, which is exact for anti-aliased edges; in others it lies at the threshold.
+/// @param foreground  auto | dark | light | alpha
+/// @param notes       receives a sentence if the choice was not clear
+/// @throws ReadError  if there is no object, or nothing but object
+Coverage object_coverage(const PixelImage& image, const std::string& foreground, const std::filesystem::path& file,
+                         std::vector<std::string>& notes);
+
+}  // namespace morphodesic::datasets

@@ -1,0 +1,195 @@
+#include "datasets/image_pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+#include "datasets/gif_reader.h"
+#include "datasets/image_header.h"
+#include "datasets/read_error.h"
+
+namespace morphodesic::datasets {
+
+namespace {
+
+constexpr const char* again = "copy or export it again";
+
+std::string file_bytes(const std::filesystem::path& file, double max_megapixels) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw ReadError(file, "the file cannot be opened", "check that it exists and that you may read it");
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    // No format needs more than this for an image within the limit; what is longer is not an image.
+    const double limit = std::min(1e7 + 20.0 * 1e6 * max_megapixels, 2.1e9);
+    if (!error && double(size) > limit) {
+        throw ReadError(file, "the file is too large for an image within the limit of pixels",
+                        "scale it down, or raise --max-megapixels");
+    }
+    std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    if (in.bad()) throw ReadError(file, "reading stopped with an error", "check the disk it lies on");
+    return bytes;
+}
+
+std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
+    std::uint32_t result = 0;
+    for (std::size_t i = 0; i < 4; ++i) result = result << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return result;
+}
+
+std::uint32_t crc32(std::string_view bytes) {
+    static const auto table = [] {
+        std::array<std::uint32_t, 256> t{};
+        for (std::uint32_t n = 0; n < 256; ++n) {
+            t[n] = n;
+            for (int k = 0; k < 8; ++k) t[n] = (t[n] & 1U) != 0 ? 0xedb88320U ^ (t[n] >> 1) : t[n] >> 1;
+        }
+        return t;
+    }();
+    std::uint32_t crc = 0xffffffffU;
+    for (const char c : bytes) crc = table[(crc ^ static_cast<unsigned char>(c)) & 0xffU] ^ (crc >> 8);
+    return crc ^ 0xffffffffU;
+}
+
+/// The chunks of a PNG that make up its pixels, after a check that all are there and undamaged. libpng would print its
+/// complaints (also harmless ones about colour profiles) to stderr, and texts and profiles may be bombs of their own.
+std::string pixel_chunks(const std::filesystem::path& file, std::string_view bytes) {
+    std::string result(bytes.substr(0, 8));
+    for (std::size_t at = 8;;) {
+        if (bytes.size() - at < 12) throw ReadError(file, "the PNG is cut off", again);
+        const std::size_t length = big_endian(bytes, at);
+        if (bytes.size() - at - 12 < length) throw ReadError(file, "the PNG is cut off", again);
+        const std::string_view kind = bytes.substr(at + 4, 4), chunk = bytes.substr(at, length + 12);
+        const bool critical = (kind[0] & 0x20) == 0;
+        if (critical || kind == "tRNS") {
+            if (crc32(bytes.substr(at + 4, length + 4)) != big_endian(bytes, at + 8 + length)) {
+                throw ReadError(file, "the PNG is damaged (check sum of a chunk)", again);
+            }
+            result += chunk;
+        }
+        if (kind == "IEND") return result;
+        at += length + 12;
+    }
+}
+
+/// libjpeg fills what is missing with grey and goes on; a shape must not be read in part.
+void require_complete_jpeg(const std::filesystem::path& file, std::string_view bytes) {
+    bool scan = false;
+    for (std::size_t at = 2; at + 1 < bytes.size();) {
+        const auto a = static_cast<unsigned char>(bytes[at]), b = static_cast<unsigned char>(bytes[at + 1]);
+        if (a != 0xff || b == 0xff || b == 0x00 || b == 0x01 || (b >= 0xd0 && b <= 0xd8)) {
+            ++at;
+        } else if (b == 0xd9) {
+            if (scan) return;
+            break;
+        } else {
+            if (b == 0xda) scan = true;
+            if (at + 3 >= bytes.size()) break;
+            at += 2 + static_cast<std::size_t>(static_cast<unsigned char>(bytes[at + 2]) << 8 |
+                                               static_cast<unsigned char>(bytes[at + 3]));
+        }
+    }
+    throw ReadError(file, "the JPEG is cut off", again);
+}
+
+PixelImage pixels_of(const std::filesystem::path& file, const cv::Mat& decoded) {
+    cv::Mat mat = decoded;
+    PixelImage image;
+    image.width = mat.cols;
+    image.height = mat.rows;
+    image.channels = mat.channels();
+    if (image.channels < 1 || image.channels > 4) {
+        throw ReadError(file, "the image has " + std::to_string(image.channels) + " channels",
+                        "save it in grey or colour");
+    }
+    if (mat.depth() == CV_16U) {
+        image.max_value = 65535.0;
+    } else if (mat.depth() != CV_8U) {  // signed or floating point: its own range becomes black to white
+        double low = 0.0, high = 0.0;
+        cv::Mat flat = mat.reshape(1);
+        cv::patchNaNs(flat, 0.0);
+        cv::minMaxLoc(flat, &low, &high);
+        if (!std::isfinite(low) || !std::isfinite(high))
+            throw ReadError(file, "the image has infinite values", "export it with 8 or 16 bits");
+        const double factor = high > low ? 65535.0 / (high - low) : 0.0;
+        cv::Mat converted;
+        mat.convertTo(converted, CV_16U, factor, -low * factor);
+        mat = converted;
+        image.max_value = 65535.0;
+    }
+    image.values.resize(image.pixel_count() * static_cast<std::size_t>(image.channels));
+    const auto row_values = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+    for (int row = 0; row < image.height; ++row) {
+        std::uint16_t* to = image.values.data() + static_cast<std::size_t>(row) * row_values;
+        if (mat.depth() == CV_16U) {
+            std::copy_n(mat.ptr<std::uint16_t>(row), row_values, to);
+        } else {
+            std::copy_n(mat.ptr<std::uint8_t>(row), row_values, to);
+        }
+        if (image.channels >= 3) {  // OpenCV keeps blue first
+            for (int column = 0; column < image.width; ++column)
+                std::swap(to[column * image.channels], to[column * image.channels + 2]);
+        }
+    }
+    return image;
+}
+
+}  // namespace
+
+PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels, std::vector<std::string>& notes) {
+    static std::once_flag silenced;
+    std::call_once(silenced, [] { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); });
+    std::string bytes = file_bytes(file, max_megapixels);
+    const ImageHeader header = read_image_header(file, bytes, max_megapixels);
+    if (header.format == ImageFormat::gif) return read_gif(file, bytes, max_megapixels, notes);
+    if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes);
+    if (header.format == ImageFormat::jpeg) require_complete_jpeg(file, bytes);
+    cv::Mat decoded;
+    try {
+        // A JPEG may say that it is turned; the other formats may have alpha, which only "unchanged" keeps.
+        const int mode =
+            header.format == ImageFormat::jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH : cv::IMREAD_UNCHANGED;
+        const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+        decoded = cv::imdecode(buffer, mode);
+    } catch (const cv::Exception&) {
+        decoded.release();
+    }
+    if (decoded.empty())
+        throw ReadError(file, "the image is cut off or damaged, or of an unusual kind",
+                        "open and save it again as PNG");
+    bytes.clear();
+    return pixels_of(file, decoded);
+}
+
+void write_png(const std::filesystem::path& file, const PixelImage& image) {
+    const int channels = image.channels == 2 ? 4 : image.channels;
+    cv::Mat mat(image.height, image.width, CV_8UC(channels));
+    for (int row = 0; row < image.height; ++row) {
+        std::uint8_t* to = mat.ptr<std::uint8_t>(row);
+        for (int column = 0; column < image.width; ++column, to += channels) {
+            const std::uint16_t* from = image.at(static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                                 static_cast<std::size_t>(column));
+            for (int c = 0; c < channels; ++c) {
+                const int source = image.channels == 2 ? (c == 3 ? 1 : 0) : (c < 3 && channels >= 3 ? 2 - c : c);
+                to[c] = static_cast<std::uint8_t>(from[source]);
+            }
+        }
+    }
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".png", mat, bytes);
+    std::ofstream out(file, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out)
+        throw std::runtime_error(file.string() +
+                                 ": cannot be written; check the folder's permissions and the free space");
+}
+
+}  // namespace morphodesic::datasets
