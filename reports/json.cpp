@@ -1,0 +1,238 @@
+#include "reports/json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "reports/report.h"
+
+namespace morphodesic::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json numbers(const std::vector<double>& values, int digits = 0) {
+    Json result = Json::array();
+    for (double v : values) {
+        if (digits > 0 && std::isfinite(v)) {
+            char buffer[40];
+            std::snprintf(buffer, sizeof buffer, "%.*g", digits, v);
+            v = std::strtod(buffer, nullptr);
+        }
+        result.push_back(number(v));
+    }
+    return result;
+}
+
+template <class Items, class Make>
+Json list(const Items& items, Make&& make) {
+    Json result = Json::array();
+    for (const auto& item : items) result.push_back(make(item));
+    return result;
+}
+
+Json tree_json(const LinkageTree& tree) {
+    return {{"method", tree.method},
+            {"merges", list(tree.merges,
+                            [](const Merge& m) {
+                                return Json{m.first, m.second, number(m.height), m.size};
+                            })},
+            {"leaf_order", tree.leaf_order},
+            {"cophenetic_correlation", number(tree.cophenetic_correlation)}};
+}
+
+Json edge_json(const Edge& e) {
+    return {{"a", e.a}, {"b", e.b}, {"length", number(e.length)}};
+}
+
+Json setting_json(const Setting& s) {
+    return {{"name", s.name}, {"value", s.value}, {"description", s.description}};
+}
+
+Json class_json(const ClassTable& t) {
+    return {{"name", t.name},
+            {"nearest_neighbour", number(t.nearest_neighbour)},
+            {"k_nearest", list(t.k_nearest,
+                               [](const auto& k) {
+                                   return Json{{"k", k.first}, {"accuracy", number(k.second)}};
+                               })},
+            {"bulls_eye", number(t.bulls_eye)},
+            {"bulls_eye_window", t.bulls_eye_window},
+            {"mean_average_precision", number(t.mean_average_precision)},
+            {"precision_recall", list(t.precision_recall,
+                                      [](const PrecisionRecall& p) {
+                                          return Json{{"recall", number(p.recall)}, {"precision", number(p.precision)}};
+                                      })},
+            {"classes", t.classes},
+            {"confusion", t.confusion},
+            {"class_medoids", t.class_medoids},
+            {"adjusted_rand", number(t.adjusted_rand)},
+            {"adjusted_mutual_information", number(t.adjusted_mutual_information)},
+            {"permanova_f", number(t.permanova_f)},
+            {"permanova_p", number(t.permanova_p)},
+            {"permanova_r2", number(t.permanova_r2)},
+            {"permutations", t.permutations}};
+}
+
+Json trust_json(const Trust& t) {
+    Json result;
+    result["triangles_checked"] = t.triangles_checked;
+    result["triangles_violated"] = t.triangles_violated;
+    result["triangles_beyond_error"] = t.triangles_beyond_error;
+    result["worst_triangles"] = list(t.worst_triangles, [](const TriangleViolation& v) {
+        return Json{{"a", v.a}, {"via", v.via}, {"b", v.b}, {"excess", number(v.excess)}, {"error", number(v.error)}};
+    });
+    result["median_asymmetry"] = number(t.median_asymmetry);
+    result["max_asymmetry"] = number(t.max_asymmetry);
+    result["asymmetries"] = list(t.asymmetries, [](const Asymmetry& v) {
+        return Json{{"a", v.a}, {"b", v.b}, {"forward", number(v.forward)}, {"backward", number(v.backward)}};
+    });
+    result["silhouettes"] = numbers(t.silhouettes);
+    result["stability"] = list(t.stability, [](const ClusterStability& s) {
+        return Json{{"cluster", s.cluster}, {"jaccard", number(s.jaccard)}};
+    });
+    result["stability_rand"] = number(t.stability_rand);
+    result["perturbations"] = t.perturbations;
+    result["seed"] = t.seed;
+    result["not_converged"] = list(t.not_converged, [](const PairRemark& p) {
+        return Json{{"a", p.a}, {"b", p.b}, {"remark", p.remark}};
+    });
+    result["close_clusters"] = list(t.close_clusters, [](const CloseClusters& c) {
+        return Json{{"first", c.first}, {"second", c.second}, {"gap", number(c.gap)}, {"error", number(c.error)}};
+    });
+    result["remarks"] = t.remarks;
+    return result;
+}
+
+Json volumes_json(const std::optional<VolumeComparison>& v) {
+    if (!v) return nullptr;
+    return {{"tree", tree_json(v->tree)},
+            {"assignment", v->assignment},
+            {"rank_correlation", number(v->rank_correlation)},
+            {"adjusted_rand", number(v->adjusted_rand)}};
+}
+
+Json compare_json(const std::optional<Comparison>& c) {
+    if (!c) return nullptr;
+    return {
+        {"other", c->other},
+        {"common_shapes", c->common_shapes},
+        {"common_pairs", c->common_pairs},
+        {"spearman", number(c->spearman)},
+        {"kendall", number(c->kendall)},
+        {"pearson", number(c->pearson)},
+        {"neighbours", c->neighbours},
+        {"mean_overlap", number(c->mean_overlap)},
+        {"moved",
+         list(c->moved,
+              [](const MovedNeighbour& m) {
+                  return Json{{"shape", m.shape}, {"here", m.here}, {"there", m.there}, {"overlap", number(m.overlap)}};
+              })},
+        {"distances", list(c->distances,
+                           [](const auto& d) {
+                               return Json{number(d.first), number(d.second)};
+                           })},
+        {"different_settings", list(c->different_settings, setting_json)}};
+}
+
+}  // namespace
+
+Json path_json(const PathReport& p) {
+    Json result;
+    result["a"] = p.a;
+    result["b"] = p.b;
+    result["path_length"] = number(p.path_length);
+    result["error"] = number(p.error);
+    result["extrapolated_length"] = number(p.extrapolated_length);
+    result["path_energy"] = number(p.path_energy);
+    result["total_energy"] = number(p.total_energy);
+    result["min_det"] = number(p.min_det);
+    result["termination"] = p.termination;
+    result["message"] = p.message;
+    result["level"] = p.level;
+    result["time_steps"] = p.time_steps;
+    result["seconds"] = number(p.seconds);
+    result["motion"] = p.motion;
+    result["frames"] = list(p.frames, [](const Frame& f) {
+        return Json{{"time", number(f.time)},
+                    {"deformation_energy", number(f.deformation_energy)},
+                    {"mismatch_energy", number(f.mismatch_energy)}};
+    });
+    result["colour_bar"] = {{"quantity", p.colour_bar.quantity},
+                            {"unit", p.colour_bar.unit},
+                            {"low", number(p.colour_bar.low)},
+                            {"high", number(p.colour_bar.high)},
+                            {"colours", p.colour_bar.colours}};
+    return result;
+}
+
+Json model_json(const ReportModel& m, int digits) {
+    Json result;
+    result["format"] = "morphodesic report";
+    result["schema"] = report_schema;
+    result["study"] = m.study;
+    result["created"] = m.created;
+    result["dimension"] = m.dimension;
+    result["collection"] = m.collection;
+    result["study_folder"] = m.study_folder;
+    result["shapes_found"] = m.shapes_found;
+    result["pairs_total"] = m.pairs_total;
+    result["pairs_done"] = m.pairs_done;
+    result["seconds"] = number(m.seconds);
+    result["cpu_seconds"] = number(m.cpu_seconds);
+    result["preset"] = m.preset;
+    result["distance_unit"] = m.distance_unit;
+    result["command"] = m.command;
+    result["failures"] = list(m.failures, [](const Failure& f) {
+        return Json{{"a", f.a}, {"b", f.b}, {"reason", f.reason}};
+    });
+    result["shapes"] = list(m.shapes, [](const ReportShape& s) {
+        return Json{{"name", s.name}, {"label", s.label}, {"volume", number(s.volume)}, {"notes", s.notes}};
+    });
+    result["distances"] = numbers(m.distances, digits);
+    result["errors"] = numbers(m.errors, digits > 0 ? std::min(digits, 3) : 0);
+    result["linkages"] = list(m.linkages, tree_json);
+    result["clusterings"] = list(m.clusterings, [](const Clustering& c) {
+        return Json{{"method", c.method},
+                    {"cut", c.cut},
+                    {"assignment", c.assignment},
+                    {"medoids", c.medoids},
+                    {"silhouette", number(c.silhouette)}};
+    });
+    result["embeddings"] = list(m.embeddings, [&](const Embedding& e) {
+        return Json{{"method", e.method},
+                    {"dimension", e.dimension},
+                    {"coordinates", numbers(e.coordinates, digits)},
+                    {"stress", number(e.stress)},
+                    {"stress_per_shape", numbers(e.stress_per_shape, digits)},
+                    {"disparities", numbers(e.disparities, digits)}};
+    });
+    result["spanning_tree"] = list(m.spanning_tree, edge_json);
+    result["neighbour_graph"] = list(m.neighbour_graph, edge_json);
+    result["graph_neighbours"] = m.graph_neighbours;
+    result["neighbours"] = m.neighbours;
+    result["classes"] = list(m.classes, class_json);
+    result["trust"] = trust_json(m.trust);
+    result["paths"] = list(m.paths, path_json);
+    result["volumes"] = volumes_json(m.volumes);
+    result["compare"] = compare_json(m.compare);
+    result["settings"] = list(m.settings, setting_json);
+    result["versions"] = list(m.versions, setting_json);
+    result["links"] = list(m.links, [](const Link& l) {
+        return Json{{"href", l.href}, {"title", l.title}, {"description", l.description}};
+    });
+    return result;
+}
+
+std::string to_json(const ReportModel& model) {
+    if (const auto found = problems(model); !found.empty()) throw std::invalid_argument("report: " + found.front());
+    return model_json(model).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace morphodesic::reports
