@@ -187,9 +187,7 @@ void write_png(const std::filesystem::path& file, const PixelImage& image) {
     std::ofstream out(file, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     out.close();
-    if (!out)
-        throw std::runtime_error(file.string() +
-                                 ": cannot be written; check the folder's permissions and the free space");
+    if (!out) throw WriteError(file);
 }
 
 }  // namespace morphodesic::datasets

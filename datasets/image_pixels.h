@@ -29,7 +29,7 @@ struct PixelImage {
 PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels, std::vector<std::string>& notes);
 
 /// Writes an 8-bit grey or grey-alpha or colour image as PNG.
-/// @throws std::runtime_error with the path if it cannot be written
+/// @throws WriteError
 void write_png(const std::filesystem::path& file, const PixelImage& image);
 
 }  // namespace morphodesic::datasets

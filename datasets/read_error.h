@@ -27,4 +27,12 @@ private:
     std::string problem_, remedy_;
 };
 
+/// An output file cannot be written: the environment is at fault, not the input.
+class WriteError : public std::runtime_error {
+public:
+    explicit WriteError(const std::filesystem::path& file)
+        : std::runtime_error(file.string() + ": cannot be written; check the folder's permissions and the free space") {
+    }
+};
+
 }  // namespace morphodesic::datasets
