@@ -18,8 +18,8 @@ struct LevelReport {
     int evaluations = 0;
     double total_energy = 0.0;
     double path_length = 0.0;
-    double min_det = 0.0;   ///< certified lower bound of det D phi
-    int folds_repaired = 0; ///< cells in which the prolonged deformation folded and was repaired
+    double min_det = 0.0;    ///< certified lower bound of det D phi
+    int folds_repaired = 0;  ///< cells in which the prolonged deformation folded and was repaired
     Termination termination = Termination::converged;
     double seconds = 0.0;
 };
@@ -29,14 +29,14 @@ template <int Dim>
 struct GeodesicResult {
     GeodesicOptions options;
     Termination termination = Termination::converged;
-    std::string message;            ///< one sentence on the termination, empty if converged
+    std::string message;  ///< one sentence on the termination, empty if converged
 
-    double path_length = 0.0;       ///< sum_k sqrt(E_deform,k): the distance; unit length^(Dim/2)
-    double path_energy = 0.0;       ///< K sum_k E_deform,k
-    double total_energy = 0.0;      ///< E of (14)
-    double error = 0.0;             ///< error bar of path_length, from the last levels and time steps of the cascade
+    double path_length = 0.0;          ///< sum_k sqrt(E_deform,k): the distance; unit length^(Dim/2)
+    double path_energy = 0.0;          ///< K sum_k E_deform,k
+    double total_energy = 0.0;         ///< E of (14)
+    double error = 0.0;                ///< error bar of path_length, from the last levels and time steps of the cascade
     double extrapolated_length = 0.0;  ///< path length extrapolated to h -> 0
-    double min_det = 0.0;           ///< guaranteed lower bound of det D phi_k over all cells and steps; > 0: 1-1
+    double min_det = 0.0;              ///< guaranteed lower bound of det D phi_k over all cells and steps; > 0: 1-1
     std::vector<double> deformation_energy;  ///< E_deform,k, k = 1..K
     std::vector<double> mismatch_energy;     ///< E_match,k (without eta), k = 1..K
     std::vector<LevelReport> levels;         ///< the cascade, coarse to fine

@@ -13,7 +13,7 @@ using Point = std::array<double, Dim>;
 /// Storage order everywhere: axis 0 runs fastest, index = i0 + n (i1 + n i2) with n = nodes_per_axis().
 template <int Dim>
 class DyadicGrid {
-   public:
+public:
     static_assert(Dim == 2 || Dim == 3);
     using Index = std::array<int, Dim>;
 
@@ -48,7 +48,7 @@ class DyadicGrid {
 
     friend constexpr bool operator==(const DyadicGrid&, const DyadicGrid&) = default;
 
-   private:
+private:
     static constexpr std::size_t power(int n) {
         std::size_t result = 1;
         for (int a = 0; a < Dim; ++a) result *= static_cast<std::size_t>(n);

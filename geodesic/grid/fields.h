@@ -34,8 +34,8 @@ struct VectorField {
     }
 };
 
-/// Deformation phi of the unit cube, stored as its displacement phi - id (so that near-identical shapes lose no digits);
-/// the displacement vanishes on the boundary of the cube.
+/// Deformation phi of the unit cube, stored as its displacement phi - id (so that near-identical shapes lose no
+/// digits); the displacement vanishes on the boundary of the cube.
 template <int Dim>
 struct Deformation {
     VectorField<Dim> displacement;

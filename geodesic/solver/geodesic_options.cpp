@@ -18,18 +18,21 @@ std::vector<std::string> GeodesicOptions::problems() const {
     require(area_weight >= 0, "area-weight must not be negative");
     require(tolerance > 0 && tolerance < 1, "tolerance must lie in (0, 1)");
     require(max_iterations > 0, "max-iterations must be positive");
-    require(align == "rigid" || align == "translation" || align == "none",
-            "align must be rigid, translation or none");
+    require(align == "rigid" || align == "translation" || align == "none", "align must be rigid, translation or none");
     require(starts >= 1, "starts must be at least 1");
     return found;
 }
 
 const char* to_string(Termination termination) {
     switch (termination) {
-        case Termination::converged: return "converged";
-        case Termination::max_steps: return "max_steps";
-        case Termination::no_descent: return "no_descent";
-        case Termination::cancelled: return "cancelled";
+        case Termination::converged:
+            return "converged";
+        case Termination::max_steps:
+            return "max_steps";
+        case Termination::no_descent:
+            return "no_descent";
+        case Termination::cancelled:
+            return "cancelled";
     }
     return "unknown";
 }

@@ -20,14 +20,15 @@ struct GeodesicOptions {
     double tolerance = 3e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
-    int starts = 3;                          ///< coarse starts (alignments, schedules) of which the best is refined, >= 1
+    int starts = 3;  ///< coarse starts (alignments, schedules) of which the best is refined, >= 1
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("level", self.level, "grid level L: 2^L + 1 nodes per axis");
         visit("steps", self.time_steps, "number K of time steps, a power of two");
         visit("mismatch-weight-per-step", self.mismatch_weight_per_step, "eta / K, weight of the mismatch energy");
-        visit("mismatch-weight", self.mismatch_weight, "fixed eta as in the paper (200); 0: eta = K times the weight per step");
+        visit("mismatch-weight", self.mismatch_weight,
+              "fixed eta as in the paper (200); 0: eta = K times the weight per step");
         visit("lambda", self.lambda, "resistance to change of volume in the dissipation (1)");
         visit("mu", self.mu, "resistance to change of length in the dissipation (1)");
         visit("outside-stiffness", self.outside_stiffness, "delta: stiffness of the background");
@@ -50,10 +51,10 @@ struct GeodesicOptions {
 
 /// Why a solve stopped.
 enum class Termination {
-    converged,  ///< the energy no longer decreases (tolerance)
-    max_steps,  ///< iteration limit reached on the finest level; the distance is not trustworthy
-    no_descent, ///< the line search failed before convergence
-    cancelled,  ///< the observer asked to stop
+    converged,   ///< the energy no longer decreases (tolerance)
+    max_steps,   ///< iteration limit reached on the finest level; the distance is not trustworthy
+    no_descent,  ///< the line search failed before convergence
+    cancelled,   ///< the observer asked to stop
 };
 [[nodiscard]] const char* to_string(Termination termination);
 

@@ -9,7 +9,7 @@ namespace morphodesic {
 /// x -> R (x - c) + c + t with c = (1/2, ..., 1/2), R a rotation (row-major), t a translation. No reflections.
 template <int Dim>
 struct RigidMotion {
-    std::array<double, Dim * Dim> rotation = identity();
+    std::array<double, Dim* Dim> rotation = identity();
     Point<Dim> translation{};
 
     static constexpr std::array<double, Dim * Dim> identity() {

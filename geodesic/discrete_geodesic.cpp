@@ -1,0 +1,251 @@
+#include "geodesic/discrete_geodesic.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/transfer.h"
+#include "geodesic/solver/alignment.h"
+#include "geodesic/solver/cascade.h"
+#include "geodesic/solver/path_minimizer.h"
+
+namespace morphodesic {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int start_level = 4;  // the search for the best start happens here
+
+struct Cancelled {};
+
+/// One start of the cascade: an alignment and a schedule, carried from level to level.
+template <int Dim>
+struct Start {
+    RigidMotion<Dim> motion;
+    PathState<Dim> path;
+    PathTerms terms;
+    Termination termination = Termination::converged;
+    std::vector<LevelReport> levels;
+};
+
+template <int Dim>
+class Cascade {
+public:
+    Cascade(const LevelSet<Dim>& a, const LevelSet<Dim>& b, const GeodesicOptions& options,
+            const ScalarField<Dim>& mask, const GeodesicObserver& observer)
+        : a_(a), b_(b), options_(options), mask_(mask), observer_(observer) {}
+
+    GeodesicResult<Dim> run() {
+        const auto begin = Clock::now();
+        GeodesicResult<Dim> result;
+        result.options = options_;
+        Start<Dim> best;
+        try {
+            best = refine(coarse_starts());
+        } catch (const Cancelled&) {
+            result.termination = Termination::cancelled;
+            result.message = "the solve was cancelled";
+            result.path_length = result.path_energy = result.total_energy = result.error = result.extrapolated_length =
+                std::numeric_limits<double>::quiet_NaN();
+            return result;
+        }
+        fill(result, best);
+        result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        return result;
+    }
+
+private:
+    LevelSet<Dim> first_on(const RigidMotion<Dim>& motion, int level) const {
+        return options_.align == "none" ? restricted(a_, level) : moved(a_, motion, level);
+    }
+
+    ScalarField<Dim> mask_on(const RigidMotion<Dim>& motion, int level) const {
+        if (mask_.values.empty()) return {};
+        if (options_.align == "none") return restricted(mask_, level);
+        // Outside the cube nothing is hidden.
+        ScalarField<Dim> inverted = mask_;
+        for (double& v : inverted.values) v = 1.0 - v;
+        ScalarField<Dim> result = moved(inverted, motion, level);
+        for (double& v : result.values) v = std::clamp(1.0 - v, 0.0, 1.0);
+        return result;
+    }
+
+    /// Minimises on the level and K of the path.
+    void solve(Start<Dim>& start, int folds, double tolerance) {
+        const auto begin = Clock::now();
+        const int level = start.path.layout.grid.level(), steps = start.path.layout.time_steps;
+        PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options_,
+                               mask_on(start.motion, level));
+        MinimizerOptions minimizer;
+        minimizer.tolerance = tolerance;
+        minimizer.max_iterations = options_.max_iterations;
+        const auto summary = minimize_path<Dim>(energy, start.path.x, minimizer);
+        start.terms = summary.terms;
+        start.termination = summary.termination;
+        LevelReport report;
+        report.level = level;
+        report.time_steps = steps;
+        report.iterations = summary.iterations;
+        report.evaluations = summary.evaluations;
+        report.total_energy = summary.terms.total;
+        report.path_length = summary.terms.path_length();
+        report.min_det = summary.terms.min_det;
+        report.folds_repaired = folds;
+        report.termination = summary.termination;
+        report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        start.levels.push_back(report);
+        if (observer_ && !observer_(report)) throw Cancelled{};
+    }
+
+    /// Alignments and schedules, each solved on the start level with all time steps; best first.
+    std::vector<Start<Dim>> coarse_starts() {
+        const int level = std::min(start_level, options_.level);
+        std::vector<Start<Dim>> starts;
+        for (const auto& candidate : align(a_, b_, options_.align, options_.starts)) {
+            const auto first = first_on(candidate.motion, level);
+            const auto last = restricted(b_, level);
+            // K = 1, 2, 4, ...: the deformation of one step is cut again and again.
+            Start<Dim> doubling;
+            doubling.motion = candidate.motion;
+            doubling.path = blended_path(first, last, 1);
+            solve(doubling, 0, options_.tolerance);
+            while (doubling.path.layout.time_steps < options_.time_steps) {
+                int folds = 0;
+                doubling.path = split_in_time(doubling.path, first, last, folds);
+                solve(doubling, folds, options_.tolerance);
+            }
+            starts.push_back(std::move(doubling));
+            if (options_.starts == 1 || options_.time_steps == 1) continue;
+            // All time steps at once, from blended shapes.
+            Start<Dim> direct;
+            direct.motion = candidate.motion;
+            direct.path = blended_path(first, last, options_.time_steps);
+            solve(direct, 0, options_.tolerance);
+            starts.push_back(std::move(direct));
+        }
+        sort(starts);
+        return starts;
+    }
+
+    static void sort(std::vector<Start<Dim>>& starts) {
+        std::stable_sort(starts.begin(), starts.end(),
+                         [](const Start<Dim>& x, const Start<Dim>& y) { return x.terms.total < y.terms.total; });
+    }
+
+    /// Level after level; the number of starts that go on halves each time.
+    Start<Dim> refine(std::vector<Start<Dim>> starts) {
+        std::size_t keep = static_cast<std::size_t>(options_.starts);
+        while (starts.front().path.layout.grid.level() < options_.level) {
+            keep = std::max<std::size_t>(1, (keep + 1) / 2);
+            starts.resize(std::min(starts.size(), keep));
+            for (auto& start : starts) {
+                int folds = 0;
+                start.path = prolong_in_space(start.path, folds);
+                solve(start, folds, options_.tolerance);
+            }
+            sort(starts);
+            if (keep == 1) starts.resize(1);
+        }
+        return std::move(starts.front());
+    }
+
+    void fill(GeodesicResult<Dim>& result, Start<Dim>& best) const {
+        const auto& layout = best.path.layout;
+        result.termination = best.termination;
+        if (best.termination == Termination::max_steps) {
+            result.message = "the iteration limit was reached before the energy settled";
+        } else if (best.termination == Termination::no_descent) {
+            result.message = "the line search found no lower energy before the tolerance was met";
+        }
+        result.path_length = best.terms.path_length();
+        result.path_energy = best.terms.path_energy();
+        result.total_energy = best.terms.total;
+        result.deformation_energy = best.terms.deformation;
+        result.mismatch_energy = best.terms.mismatch;
+        result.motion = best.motion;
+        result.levels = best.levels;
+        error_bar(result);
+
+        result.min_det = std::numeric_limits<double>::infinity();
+        result.shapes.push_back(first_on(best.motion, layout.grid.level()));
+        for (int k = 1; k <= layout.time_steps; ++k) {
+            Deformation<Dim> phi(layout.grid);
+            DisplacementView<Dim> view;
+            for (int a = 0; a < Dim; ++a) {
+                const auto from = best.path.x.begin() + static_cast<std::ptrdiff_t>(layout.displacement(k, a));
+                auto& component = phi.displacement.components[static_cast<std::size_t>(a)];
+                component.assign(from, from + static_cast<std::ptrdiff_t>(layout.nodes()));
+                view[static_cast<std::size_t>(a)] = component.data();
+            }
+            result.min_det = std::min(result.min_det, det_lower_bound<Dim>(layout.grid, view));
+            result.deformations.push_back(std::move(phi));
+            if (k == layout.time_steps) break;
+            LevelSet<Dim> u(layout.grid);
+            const auto from = best.path.x.begin() + static_cast<std::ptrdiff_t>(layout.level_set(k));
+            u.values.assign(from, from + static_cast<std::ptrdiff_t>(layout.nodes()));
+            result.shapes.push_back(std::move(u));
+        }
+        result.shapes.push_back(restricted(b_, layout.grid.level()));
+        if (!result.levels.empty()) result.levels.back().min_det = result.min_det;
+    }
+
+    /// First order in h: the length on the last two levels extrapolates to twice the last minus the one before. The bar
+    /// adds the change from the last doubling of K and the unconverged rest of the energy.
+    void error_bar(GeodesicResult<Dim>& result) const {
+        const auto& levels = result.levels;
+        double coarser = std::numeric_limits<double>::quiet_NaN(), fewer = coarser, same = coarser;
+        for (const auto& report : levels) {
+            if (report.level == options_.level - 1 && report.time_steps == options_.time_steps)
+                coarser = report.path_length;
+            if (2 * report.time_steps == options_.time_steps) fewer = report.path_length;
+            if (report.time_steps == options_.time_steps && std::isnan(same)) same = report.path_length;
+        }
+        const double in_space = result.path_length - coarser;
+        const double in_time = std::isnan(fewer) ? 0.0 : same - fewer;
+        const double unconverged = options_.tolerance * result.path_length;
+        if (std::isnan(in_space)) {  // a single level: nothing to extrapolate from
+            result.extrapolated_length = result.path_length;
+            result.error = result.path_length;
+            return;
+        }
+        result.extrapolated_length = result.path_length + in_space;
+        result.error = 1.25 * std::abs(in_space) + 0.5 * std::abs(in_time) + unconverged;
+    }
+
+    const LevelSet<Dim>& a_;
+    const LevelSet<Dim>& b_;
+    const GeodesicOptions& options_;
+    const ScalarField<Dim>& mask_;
+    const GeodesicObserver& observer_;
+};
+
+}  // namespace
+
+template <int Dim>
+GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const LevelSet<Dim>& b,
+                                              const GeodesicOptions& options, const ScalarField<Dim>& mask,
+                                              const GeodesicObserver& observer) {
+    const auto problems = options.problems();
+    if (!problems.empty()) throw std::invalid_argument("geodesic options: " + problems.front());
+    for (const LevelSet<Dim>* u : {&a, &b}) {
+        if (u->grid.level() < options.level) {
+            throw std::invalid_argument(
+                "compute_discrete_geodesic: a shape is sampled on a coarser grid than the level");
+        }
+        if (!std::any_of(u->values.begin(), u->values.end(), [](double v) { return v > 0; })) {
+            throw std::invalid_argument("compute_discrete_geodesic: a shape is empty on its grid");
+        }
+    }
+    return Cascade<Dim>(a, b, options, mask, observer).run();
+}
+
+template GeodesicResult<2> compute_discrete_geodesic<2>(const LevelSet<2>&, const LevelSet<2>&, const GeodesicOptions&,
+                                                        const ScalarField<2>&, const GeodesicObserver&);
+template GeodesicResult<3> compute_discrete_geodesic<3>(const LevelSet<3>&, const LevelSet<3>&, const GeodesicOptions&,
+                                                        const ScalarField<3>&, const GeodesicObserver&);
+
+}  // namespace morphodesic

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "geodesic/grid/fields.h"
+#include "geodesic/kernels/step_kernel.h"
+#include "geodesic/solver/geodesic_options.h"
+
+namespace morphodesic {
+
+/// Where the unknowns of a discrete path lie in one vector: phi_1 .. phi_K (Dim displacement components each), then
+/// u_1 .. u_{K-1}; every field is [N] in the order of DyadicGrid.
+template <int Dim>
+struct PathLayout {
+    DyadicGrid<Dim> grid;
+    int time_steps = 1;
+
+    [[nodiscard]] std::size_t nodes() const { return grid.node_count(); }
+    [[nodiscard]] int field_count() const { return Dim * time_steps + time_steps - 1; }
+    [[nodiscard]] std::size_t size() const { return nodes() * static_cast<std::size_t>(field_count()); }
+    /// Component a of phi_k - id, k = 1..K.
+    [[nodiscard]] std::size_t displacement(int k, int a) const {
+        return nodes() * static_cast<std::size_t>(Dim * (k - 1) + a);
+    }
+    /// u_k, k = 1..K-1.
+    [[nodiscard]] std::size_t level_set(int k) const {
+        return nodes() * static_cast<std::size_t>(Dim * time_steps + k - 1);
+    }
+};
+
+/// The parts of (14) at one path.
+struct PathTerms {
+    double total = 0.0;                ///< E of (14); +infinity where a deformation folds
+    std::vector<double> deformation;   ///< E_deform,k, k = 1..K, without the factor K
+    std::vector<double> mismatch;      ///< E_match,k, k = 1..K, without eta
+    double area = 0.0;                 ///< sum over k = 1..K of E_area[u_k], without nu / K
+    double min_det = 0.0;              ///< least det D phi at quadrature points and cell corners
+    std::vector<double> step_min_det;  ///< the same for each phi_k
+
+    [[nodiscard]] double path_length() const;  ///< sum_k sqrt(E_deform,k)
+    [[nodiscard]] double path_energy() const;  ///< K sum_k E_deform,k
+};
+
+/// The energy (14) of discrete paths between two fixed shapes on one grid, with its gradient.
+template <int Dim>
+class PathEnergy {
+public:
+    /// @param first, last  u_0 and u_K on the same grid
+    /// @param mask         occlusion mask chi of the mismatch of step 1, on the same grid; empty: chi = 1
+    /// @throws std::invalid_argument if the grids differ
+    PathEnergy(const LevelSet<Dim>& first, const LevelSet<Dim>& last, int time_steps, const GeodesicOptions& options,
+               const ScalarField<Dim>& mask = {});
+
+    [[nodiscard]] const PathLayout<Dim>& layout() const { return layout_; }
+    [[nodiscard]] const LevelSet<Dim>& first() const { return first_; }
+    [[nodiscard]] const LevelSet<Dim>& last() const { return last_; }
+    [[nodiscard]] double eta() const { return eta_; }
+    [[nodiscard]] double eps() const { return layout_.grid.spacing(); }
+    [[nodiscard]] const GeodesicOptions& options() const { return options_; }
+
+    /// u_k of a path, k = 0..K.
+    [[nodiscard]] const double* level_set(std::span<const double> x, int k) const;
+
+    /// Deformations with a det D phi below this at a quadrature point or cell corner count as folded.
+    static constexpr double least_det = 0.02;
+
+    /// E of (14) at the path x (see PathLayout); its gradient goes to `gradient` unless that is empty, with zeros for
+    /// the displacements on the boundary of the cube. The bits do not depend on the number of threads.
+    PathTerms evaluate(std::span<const double> x, std::span<double> gradient);
+
+private:
+    struct Slab {
+        int begin, end;               // cells on the last axis
+        std::vector<double> scatter;  // gradient in u_k, rows [first_row, first_row + rows)
+        int first_row = 0, rows = 0;
+        kernels::StepSums sums;
+    };
+    void evaluate_slab(int k, Slab& slab, std::span<const double> x, std::span<double> gradient);
+
+    PathLayout<Dim> layout_;
+    GeodesicOptions options_;
+    LevelSet<Dim> first_, last_;
+    ScalarField<Dim> mask_;
+    double eta_;
+    std::vector<std::vector<Slab>> slabs_;  // [K][slabs]
+};
+
+}  // namespace morphodesic

@@ -1,0 +1,246 @@
+#include "geodesic/grid/injectivity.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "geodesic/grid/q1_element.h"
+
+namespace morphodesic {
+
+namespace {
+
+/// det D phi at a point of the unit cell from the displacements of its corners.
+template <int Dim>
+double determinant(const double (&w)[Dim][1 << Dim], double inverse_h, const Point<Dim>& x) {
+    double a[Dim][Dim];
+    for (int i = 0; i < Dim; ++i) {
+        for (int j = 0; j < Dim; ++j) {
+            double slope = 0.0;
+            for (int c = 0; c < (1 << Dim); ++c) slope += q1::shape_slope<Dim>(c, x, j) * w[i][c];
+            a[i][j] = (i == j ? 1.0 : 0.0) + slope * inverse_h;
+        }
+    }
+    if constexpr (Dim == 2) {
+        return a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    } else {
+        return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+               a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+    }
+}
+
+template <int Dim>
+double least_corner(const double (&w)[Dim][1 << Dim], double inverse_h) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int c = 0; c < (1 << Dim); ++c) {
+        Point<Dim> x{};
+        for (int a = 0; a < Dim; ++a) x[static_cast<std::size_t>(a)] = (c >> a & 1) ? 1.0 : 0.0;
+        least = std::min(least, determinant<Dim>(w, inverse_h, x));
+    }
+    return least;
+}
+
+/// Least Bernstein coefficient of det over the box [low, low + size]^3 of the unit cell.
+double least_bernstein(const double (&w)[3][8], double inverse_h, const Point<3>& low, double size, int splits) {
+    double f[3][3][3];
+    for (int k = 0; k < 3; ++k) {
+        for (int j = 0; j < 3; ++j) {
+            for (int i = 0; i < 3; ++i) {
+                const Point<3> x{low[0] + 0.5 * i * size, low[1] + 0.5 * j * size, low[2] + 0.5 * k * size};
+                f[k][j][i] = determinant<3>(w, inverse_h, x);
+            }
+        }
+    }
+    // Values at 0, 1/2, 1 to Bernstein coefficients: b0 = f0, b1 = 2 f(1/2) - (f0 + f1) / 2, b2 = f1.
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) f[a][b][1] = 2 * f[a][b][1] - 0.5 * (f[a][b][0] + f[a][b][2]);
+    }
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) f[a][1][b] = 2 * f[a][1][b] - 0.5 * (f[a][0][b] + f[a][2][b]);
+    }
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) f[1][a][b] = 2 * f[1][a][b] - 0.5 * (f[0][a][b] + f[2][a][b]);
+    }
+    const double least = *std::min_element(&f[0][0][0], &f[0][0][0] + 27);
+    if (least > 0 || splits == 0) return least;
+    double refined = std::numeric_limits<double>::infinity();
+    for (int c = 0; c < 8; ++c) {
+        Point<3> corner = low;
+        for (int a = 0; a < 3; ++a) corner[a] += (c >> a & 1) ? 0.5 * size : 0.0;
+        refined = std::min(refined, least_bernstein(w, inverse_h, corner, 0.5 * size, splits - 1));
+    }
+    return refined;
+}
+
+template <int Dim, class View>
+void load_cell(const DyadicGrid<Dim>& grid, const View& displacement, std::size_t node, double (&w)[Dim][1 << Dim]) {
+    const auto offsets = q1::corner_offsets(grid);
+    for (int a = 0; a < Dim; ++a) {
+        for (int c = 0; c < (1 << Dim); ++c) {
+            w[a][c] = displacement[static_cast<std::size_t>(a)][node + offsets[static_cast<std::size_t>(c)]];
+        }
+    }
+}
+
+template <int Dim, class View>
+double cell_bound(const DyadicGrid<Dim>& grid, const View& displacement, std::size_t node) {
+    double w[Dim][1 << Dim];
+    load_cell(grid, displacement, node, w);
+    const double inverse_h = grid.cells_per_axis();
+    if constexpr (Dim == 2) {
+        return least_corner<2>(w, inverse_h);
+    } else {
+        return least_bernstein(w, inverse_h, {0.0, 0.0, 0.0}, 1.0, 3);
+    }
+}
+
+/// visit(row of cells on the last axis, index of the first node of a cell)
+template <int Dim, class Visitor>
+void for_cells_of_row(const DyadicGrid<Dim>& grid, int row, Visitor&& visit) {
+    const int cells = grid.cells_per_axis();
+    typename DyadicGrid<Dim>::Index i{};
+    i[Dim - 1] = row;
+    for (int y = 0; y < (Dim == 3 ? cells : 1); ++y) {
+        if (Dim == 3) i[1] = y;
+        for (i[0] = 0; i[0] < cells; ++i[0]) visit(grid.index(i));
+    }
+}
+
+template <class Body>
+void for_rows(int count, const Body& body) {
+    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(0, count, body); });
+}
+
+/// Cells whose bound is below the threshold.
+template <int Dim, class View>
+std::vector<std::size_t> bad_cells(const DyadicGrid<Dim>& grid, const View& displacement, double threshold) {
+    std::vector<std::vector<std::size_t>> per_row(static_cast<std::size_t>(grid.cells_per_axis()));
+    for_rows(grid.cells_per_axis(), [&](int row) {
+        for_cells_of_row(grid, row, [&](std::size_t node) {
+            if (!(cell_bound(grid, displacement, node) >= threshold))
+                per_row[static_cast<std::size_t>(row)].push_back(node);
+        });
+    });
+    std::vector<std::size_t> all;
+    for (const auto& row : per_row) all.insert(all.end(), row.begin(), row.end());
+    return all;
+}
+
+/// Visits the indices low + [from, to] on every axis.
+template <class Index, class Visitor>
+void for_box(const Index& low, int to, int from, Visitor&& visit) {
+    Index i = low;
+    for (int& c : i) c += from;
+    while (true) {
+        visit(i);
+        std::size_t a = 0;
+        while (a < i.size() && ++i[a] > low[a] + to) {
+            i[a] = low[a] + from;
+            ++a;
+        }
+        if (a == i.size()) return;
+    }
+}
+
+}  // namespace
+
+template <int Dim>
+double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
+    std::vector<double> least(static_cast<std::size_t>(grid.cells_per_axis()), std::numeric_limits<double>::infinity());
+    for_rows(grid.cells_per_axis(), [&](int row) {
+        double& bound = least[static_cast<std::size_t>(row)];
+        for_cells_of_row(grid, row, [&](std::size_t node) {
+            const double here = cell_bound(grid, displacement, node);
+            if (!(here >= bound)) bound = here;
+        });
+    });
+    double bound = std::numeric_limits<double>::infinity();
+    for (const double value : least) {
+        if (!(value >= bound)) bound = value;
+    }
+    return bound;
+}
+
+template <int Dim>
+std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
+    std::vector<double> least(grid.node_count(), std::numeric_limits<double>::infinity());
+    const auto offsets = q1::corner_offsets(grid);
+    q1::for_each_cell(grid, [&](std::size_t node) {
+        double w[Dim][1 << Dim];
+        load_cell(grid, displacement, node, w);
+        const double here = least_corner<Dim>(w, grid.cells_per_axis());
+        for (const std::size_t offset : offsets) least[node + offset] = std::min(least[node + offset], here);
+    });
+    return least;
+}
+
+template <int Dim>
+int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold) {
+    auto bad = bad_cells(grid, displacement, threshold);
+    const int folded = static_cast<int>(bad.size());
+    const int n = grid.nodes_per_axis();
+    std::array<std::size_t, Dim> stride;
+    stride[0] = 1;
+    for (std::size_t a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::size_t>(n);
+
+    constexpr int rounds = 60;
+    std::vector<double> smoothed;
+    std::vector<std::size_t> nodes, cells;
+    for (int round = 0; round < rounds && !bad.empty(); ++round) {
+        const int reach = round / 6;
+        nodes.clear();
+        cells.clear();
+        for (const std::size_t cell : bad) {
+            const auto low = grid.node(cell);
+            for_box(low, 1 + reach, -reach, [&](const auto& i) {  // nodes of the cell and `reach` beyond
+                for (const int c : i) {
+                    if (c <= 0 || c >= n - 1) return;
+                }
+                nodes.push_back(grid.index(i));
+            });
+            for_box(low, 1 + reach, -1 - reach, [&](const auto& i) {  // the cells these nodes belong to
+                for (const int c : i) {
+                    if (c < 0 || c >= n - 1) return;
+                }
+                cells.push_back(grid.index(i));
+            });
+        }
+        for (auto* list : {&nodes, &cells}) {
+            std::sort(list->begin(), list->end());
+            list->erase(std::unique(list->begin(), list->end()), list->end());
+        }
+        smoothed.resize(nodes.size());
+        for (double* w : displacement) {
+            for (std::size_t k = 0; k < nodes.size(); ++k) {
+                double sum = 0.0;
+                for (const std::size_t s : stride) sum += w[nodes[k] + s] + w[nodes[k] - s];
+                smoothed[k] = 0.5 * w[nodes[k]] + 0.5 * sum / (2 * Dim);
+            }
+            for (std::size_t k = 0; k < nodes.size(); ++k) w[nodes[k]] = smoothed[k];
+        }
+        bad.clear();
+        for (const std::size_t cell : cells) {
+            if (!(cell_bound(grid, displacement, cell) >= threshold)) bad.push_back(cell);
+        }
+    }
+    while (!bad.empty()) {
+        for (double* w : displacement) {
+            for (std::size_t i = 0; i < grid.node_count(); ++i) w[i] = std::isfinite(w[i]) ? 0.8 * w[i] : 0.0;
+        }
+        bad = bad_cells(grid, displacement, threshold);
+    }
+    return folded;
+}
+
+template double det_lower_bound<2>(const DyadicGrid<2>&, const DisplacementView<2>&);
+template double det_lower_bound<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
+template std::vector<double> least_node_det<2>(const DyadicGrid<2>&, const DisplacementView<2>&);
+template std::vector<double> least_node_det<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
+template int repair_folds<2>(const DyadicGrid<2>&, const std::array<double*, 2>&, double);
+template int repair_folds<3>(const DyadicGrid<3>&, const std::array<double*, 3>&, double);
+
+}  // namespace morphodesic

@@ -1,0 +1,50 @@
+#pragma once
+
+namespace morphodesic::kernels {
+
+/// Fields of one time step k on a grid with n = 2^level + 1 nodes per axis, [n^Dim] each, axis 0 fastest.
+template <int Dim>
+struct StepFields {
+    const double* displacement[Dim];  ///< phi_k - id, one array per component
+    const double* u_previous;         ///< u_{k-1}
+    const double* u_next;             ///< u_k
+    const double* mask;               ///< chi in [0,1], or null for chi = 1
+};
+
+/// Gradients are added to these arrays (same layout); a null pointer means: not wanted.
+/// u_next holds the rows [u_next_first_row, ...) of the last axis only (the kernel scatters into it).
+template <int Dim>
+struct StepGradients {
+    double* displacement[Dim];
+    double* u_previous;
+    double* u_next;
+    int u_next_first_row;
+};
+
+struct StepWeights {
+    int level;           ///< L >= 3
+    double lambda, mu;   ///< W, see stored_energy_density.h
+    double delta;        ///< stiffness of the background in (13)
+    double eps;          ///< width of H_eps
+    double deformation;  ///< factor of E_deform in the gradients (K in (14))
+    double mismatch;     ///< factor of E_match in the gradients (eta in (14))
+};
+
+struct StepSums {
+    double deformation = 0.0;  ///< E_deform of the rows, without its factor
+    double mismatch = 0.0;     ///< E_match of the rows, without its factor
+    double min_det = 1e300;    ///< least det D phi at the quadrature points and cell corners; <= 0: inadmissible
+};
+
+/// E_deform (13) and E_match (12) of one time step over the cells whose index on the last axis lies in
+/// [row_begin, row_end), and their gradients in phi_k, u_{k-1} and u_k. Gauss quadrature, 2 points per axis;
+/// u_k o phi_k is evaluated exactly at the quadrature points. SIMD over the cells along axis 0; the sums have a fixed
+/// order, so the bits depend on the instruction set only. Where min_det <= 0 energies and gradients are meaningless.
+template <int Dim>
+StepSums step_energy_rows(int row_begin, int row_end, const StepFields<Dim>& fields, const StepWeights& weights,
+                          const StepGradients<Dim>& gradients);
+
+/// The instruction set the kernels run on, e.g. "AVX3" or "AVX2".
+const char* instruction_set();
+
+}  // namespace morphodesic::kernels

@@ -1,0 +1,259 @@
+#include "geodesic/solver/alignment.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "geodesic/energy/heaviside.h"
+#include "geodesic/grid/q1_element.h"
+#include "geodesic/grid/transfer.h"
+
+namespace morphodesic {
+
+namespace {
+
+template <int Dim>
+using Matrix = Eigen::Matrix<double, Dim, Dim>;
+template <int Dim>
+using Vector = Eigen::Matrix<double, Dim, 1>;
+
+template <int Dim>
+Vector<Dim> as_vector(const Point<Dim>& x) {
+    return Eigen::Map<const Vector<Dim>>(x.data());
+}
+
+/// Centroid and second moments of H_eps(u).
+template <int Dim>
+struct Moments {
+    double volume = 0.0;
+    Vector<Dim> centroid = Vector<Dim>::Zero();
+    Matrix<Dim> covariance = Matrix<Dim>::Zero();
+
+    explicit Moments(const LevelSet<Dim>& u) {
+        // A narrow eps: the tails of H_eps reach across the cube and would pull the centroid to its centre.
+        const double eps = 0.25 * u.grid.spacing();
+        const auto inside = [&](std::size_t i) { return std::clamp(0.5 + u.values[i] / (4 * eps), 0.0, 1.0); };
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            const double w = inside(i);
+            volume += w;
+            centroid += w * as_vector<Dim>(u.grid.position(u.grid.node(i)));
+        }
+        if (!(volume > 0)) throw std::invalid_argument("align: a shape is empty on the grid");
+        centroid /= volume;
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            const Vector<Dim> x = as_vector<Dim>(u.grid.position(u.grid.node(i))) - centroid;
+            covariance += inside(i) / volume * x * x.transpose();
+        }
+    }
+};
+
+template <int Dim>
+struct Motion {
+    Matrix<Dim> rotation = Matrix<Dim>::Identity();
+    Vector<Dim> translation = Vector<Dim>::Zero();
+
+    [[nodiscard]] RigidMotion<Dim> as_rigid() const {
+        RigidMotion<Dim> m;
+        for (int i = 0; i < Dim; ++i) {
+            for (int j = 0; j < Dim; ++j) m.rotation[static_cast<std::size_t>(i * Dim + j)] = rotation(i, j);
+            m.translation[static_cast<std::size_t>(i)] = translation(i);
+        }
+        return m;
+    }
+};
+
+/// Rotation by a small angle (2D: one number, 3D: axis times angle).
+template <int Dim>
+Matrix<Dim> small_rotation(const Eigen::VectorXd& angles) {
+    if constexpr (Dim == 2) {
+        return Eigen::Rotation2D<double>(angles(0)).toRotationMatrix();
+    } else {
+        const Eigen::Vector3d w = angles.head<3>();
+        const double angle = w.norm();
+        if (angle < 1e-14) return Matrix<3>::Identity();
+        return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+    }
+}
+
+/// Mismatch of a o motion^-1 with b at the nodes of a grid, and its Gauss-Newton system in (angles, translation).
+template <int Dim>
+class MismatchProblem {
+public:
+    static constexpr int angle_count = Dim == 2 ? 1 : 3;
+    using Normal = Eigen::MatrixXd;
+
+    MismatchProblem(const LevelSet<Dim>& a, const LevelSet<Dim>& b, int level)
+        : a_(restricted(a, level)), eps_(a_.grid.spacing()) {
+        const auto coarse = restricted(b, level);
+        target_.resize(coarse.values.size());
+        for (std::size_t i = 0; i < target_.size(); ++i) target_[i] = smooth_heaviside(coarse.values[i], eps_);
+    }
+
+    double evaluate(const Motion<Dim>& m, Eigen::VectorXd* gradient, Normal* normal, bool rotate) const {
+        constexpr int unknowns = angle_count + Dim;
+        const Matrix<Dim> back = m.rotation.transpose();
+        const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
+        const double volume = std::pow(a_.grid.spacing(), Dim), inverse_h = a_.grid.cells_per_axis();
+        const auto offsets = q1::corner_offsets(a_.grid);
+        double sum = 0.0;
+        if (gradient) {
+            gradient->setZero(unknowns);
+            normal->setZero(unknowns, unknowns);
+        }
+        for (std::size_t i = 0; i < target_.size(); ++i) {
+            const Vector<Dim> x = as_vector<Dim>(a_.grid.position(a_.grid.node(i)));
+            const Vector<Dim> y = back * (x - centre - m.translation) + centre;
+            Point<Dim> at{};
+            double beyond = 0.0;
+            for (int c = 0; c < Dim; ++c) {
+                at[static_cast<std::size_t>(c)] = y(c);
+                const double over = y(c) - std::clamp(y(c), 0.0, 1.0);
+                beyond += over * over;
+            }
+            const auto where = q1::locate(a_.grid, at);
+            double u = -std::sqrt(beyond);
+            Vector<Dim> slope = Vector<Dim>::Zero();
+            for (int c = 0; c < (1 << Dim); ++c) {
+                const double v = a_.values[where.node + offsets[static_cast<std::size_t>(c)]];
+                u += q1::shape<Dim>(c, where.fraction) * v;
+                for (int d = 0; d < Dim; ++d) slope(d) += q1::shape_slope<Dim>(c, where.fraction, d) * v * inverse_h;
+            }
+            const double r = smooth_heaviside(u, eps_) - target_[i];
+            sum += volume * r * r;
+            if (!gradient) continue;
+            // y depends on a further small rotation exp(w) and translation t as back (exp(-w) z - t), z = x - c - t0.
+            const Vector<Dim> force = m.rotation * slope * smooth_delta(u, eps_);
+            const Vector<Dim> z = x - centre - m.translation;
+            Eigen::Matrix<double, unknowns, 1> row;
+            if constexpr (Dim == 2) {
+                row(0) = rotate ? -(force(1) * z(0) - force(0) * z(1)) : 0.0;
+            } else {
+                row.template head<3>() = rotate ? Vector<3>(-z.cross(force)) : Vector<3>(Vector<3>::Zero());
+            }
+            row.template tail<Dim>() = -force;
+            *gradient += 2 * volume * r * row;
+            *normal += 2 * volume * row * row.transpose();
+        }
+        return sum;
+    }
+
+    /// Levenberg-Marquardt; returns the mismatch.
+    double refine(Motion<Dim>& m, bool rotate, int iterations) const {
+        Eigen::VectorXd gradient;
+        Normal normal;
+        double damping = 1e-3, value = evaluate(m, &gradient, &normal, rotate);
+        for (int k = 0; k < iterations; ++k) {
+            Normal system = normal;
+            system.diagonal() += damping * normal.diagonal();
+            system.diagonal().array() += 1e-12 + (rotate ? 0.0 : 1e-12);
+            const Eigen::VectorXd change = system.ldlt().solve(-gradient);
+            Motion<Dim> trial = m;
+            if (rotate) trial.rotation = small_rotation<Dim>(change) * m.rotation;
+            trial.translation = m.translation + change.template tail<Dim>();
+            const double next = evaluate(trial, nullptr, nullptr, rotate);
+            if (next < value) {
+                const bool small = value - next < 1e-7 * value || change.norm() < 1e-7;
+                m = trial;
+                value = evaluate(m, &gradient, &normal, rotate);
+                damping = std::max(damping * 0.2, 1e-9);
+                if (small) break;
+            } else {
+                damping *= 8;
+                if (damping > 1e6) break;
+            }
+        }
+        return value;
+    }
+
+private:
+    LevelSet<Dim> a_;
+    double eps_;
+    std::vector<double> target_;
+};
+
+/// Rotations about the centroids from which the search starts.
+template <int Dim>
+std::vector<Matrix<Dim>> start_rotations(const Moments<Dim>& a, const Moments<Dim>& b) {
+    std::vector<Matrix<Dim>> starts;
+    if constexpr (Dim == 2) {
+        constexpr int angles = 24;
+        for (int k = 0; k < angles; ++k) {
+            starts.push_back(Eigen::Rotation2D<double>(2 * std::numbers::pi * k / angles).toRotationMatrix());
+        }
+        (void)a;
+        (void)b;
+    } else {
+        const Eigen::SelfAdjointEigenSolver<Matrix<3>> axes_a(a.covariance), axes_b(b.covariance);
+        std::array<int, 3> order{0, 1, 2};
+        do {
+            for (int signs = 0; signs < 8; ++signs) {
+                Matrix<3> permuted = Matrix<3>::Zero();
+                for (int i = 0; i < 3; ++i)
+                    permuted(i, order[static_cast<std::size_t>(i)]) = (signs >> i & 1) ? -1.0 : 1.0;
+                if (permuted.determinant() > 0) starts.push_back(permuted);
+                const Matrix<3> turned = axes_b.eigenvectors() * permuted * axes_a.eigenvectors().transpose();
+                if (turned.determinant() > 0) starts.push_back(turned);
+            }
+        } while (std::next_permutation(order.begin(), order.end()));
+    }
+    return starts;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<AlignmentCandidate<Dim>> align(const LevelSet<Dim>& a, const LevelSet<Dim>& b, const std::string& mode,
+                                           int count) {
+    if (mode == "none") return {AlignmentCandidate<Dim>{}};
+    const bool rotate = mode == "rigid";
+    const int top = std::min({a.grid.level(), b.grid.level(), Dim == 2 ? 6 : 5});
+    const int coarse = std::min(top, 4);
+    const auto coarse_a = restricted(a, top), coarse_b = restricted(b, top);
+    const Moments<Dim> moments_a(coarse_a), moments_b(coarse_b);
+    const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
+
+    struct Candidate {
+        Motion<Dim> motion;
+        double mismatch;
+    };
+    std::vector<Candidate> candidates;
+    const MismatchProblem<Dim> search(coarse_a, coarse_b, coarse);
+    const auto rotations =
+        rotate ? start_rotations<Dim>(moments_a, moments_b) : std::vector<Matrix<Dim>>{Matrix<Dim>::Identity()};
+    for (const auto& rotation : rotations) {
+        Candidate c;
+        c.motion.rotation = rotation;
+        c.motion.translation = moments_b.centroid - centre - rotation * (moments_a.centroid - centre);
+        c.mismatch = search.evaluate(c.motion, nullptr, nullptr, rotate);
+        candidates.push_back(c);
+    }
+    const auto better = [](const Candidate& x, const Candidate& y) { return x.mismatch < y.mismatch; };
+    std::stable_sort(candidates.begin(), candidates.end(), better);
+    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(std::max(12, 4 * count))));
+    for (auto& c : candidates) c.mismatch = search.refine(c.motion, rotate, 12);
+    std::stable_sort(candidates.begin(), candidates.end(), better);
+
+    const MismatchProblem<Dim> fine(coarse_a, coarse_b, top);
+    std::vector<Candidate> kept;
+    for (auto& c : candidates) {
+        const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
+            return (k.motion.rotation - c.motion.rotation).norm() < 0.2 &&
+                   (k.motion.translation - c.motion.translation).norm() < 0.03;
+        });
+        if (known) continue;
+        kept.push_back(c);
+        if (static_cast<int>(kept.size()) == count) break;
+    }
+    for (auto& c : kept) c.mismatch = fine.refine(c.motion, rotate, 20);
+    std::stable_sort(kept.begin(), kept.end(), better);
+    std::vector<AlignmentCandidate<Dim>> result;
+    for (const auto& c : kept) result.push_back({c.motion.as_rigid(), c.mismatch});
+    return result;
+}
+
+template std::vector<AlignmentCandidate<2>> align<2>(const LevelSet<2>&, const LevelSet<2>&, const std::string&, int);
+template std::vector<AlignmentCandidate<3>> align<3>(const LevelSet<3>&, const LevelSet<3>&, const std::string&, int);
+
+}  // namespace morphodesic

@@ -1,0 +1,192 @@
+#include "geodesic/solver/cascade.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/q1_element.h"
+#include "geodesic/grid/transfer.h"
+
+namespace morphodesic {
+
+namespace {
+
+template <int Dim>
+std::array<double*, Dim> displacement_of(PathState<Dim>& path, int k) {
+    std::array<double*, Dim> w;
+    for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
+    return w;
+}
+
+template <int Dim>
+Point<Dim> displacement_at(const PathState<Dim>& path, int k, const std::type_identity_t<Point<Dim>>& x) {
+    Point<Dim> w{};
+    for (int a = 0; a < Dim; ++a) {
+        w[static_cast<std::size_t>(a)] = q1::value(path.layout.grid, path.x.data() + path.layout.displacement(k, a), x);
+    }
+    return w;
+}
+
+/// Solves x + share w_k(x) = y by damped fixed point iteration; `x` is the start and the result.
+template <int Dim>
+void invert_at(const PathState<Dim>& path, int k, double share, const std::type_identity_t<Point<Dim>>& y,
+               std::type_identity_t<Point<Dim>>& x) {
+    double last = 1e300;
+    double damping = 1.0;
+    for (int iteration = 0; iteration < 60; ++iteration) {
+        const auto w = displacement_at(path, k, x);
+        double change = 0.0;
+        Point<Dim> step{};
+        for (std::size_t a = 0; a < Dim; ++a) {
+            step[a] = y[a] - share * w[a] - x[a];
+            change = std::max(change, std::abs(step[a]));
+        }
+        if (change > last) damping = std::max(0.25, 0.5 * damping);
+        last = change;
+        for (std::size_t a = 0; a < Dim; ++a) x[a] = std::clamp(x[a] + damping * step[a], 0.0, 1.0);
+        if (change < 1e-7) break;
+    }
+}
+
+template <int Dim, class Body>
+void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
+    const auto n = static_cast<std::size_t>(grid.nodes_per_axis());
+    oneapi::tbb::this_task_arena::isolate([&] {
+        oneapi::tbb::parallel_for(std::size_t{0}, grid.node_count() / n, [&](std::size_t row) {
+            for (std::size_t i = row * n; i < (row + 1) * n; ++i) body(i);
+        });
+    });
+}
+
+template <int Dim>
+bool on_boundary(const DyadicGrid<Dim>& grid, std::size_t i) {
+    for (const int c : grid.node(i)) {
+        if (c == 0 || c == grid.cells_per_axis()) return true;
+    }
+    return false;
+}
+
+template <int Dim>
+int repair(PathState<Dim>& path) {
+    int folds = 0;
+    for (int k = 1; k <= path.layout.time_steps; ++k)
+        folds += repair_folds<Dim>(path.layout.grid, displacement_of(path, k));
+    return folds;
+}
+
+template <int Dim>
+const double* shape_of(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, int k) {
+    if (k == 0) return first.values.data();
+    if (k == path.layout.time_steps) return last.values.data();
+    return path.x.data() + path.layout.level_set(k);
+}
+
+}  // namespace
+
+template <int Dim>
+PathState<Dim> blended_path(const LevelSet<Dim>& first, const LevelSet<Dim>& last, int time_steps) {
+    PathState<Dim> path{{first.grid, time_steps}, {}};
+    path.x.assign(path.layout.size(), 0.0);
+    for (int k = 1; k < time_steps; ++k) {
+        const double t = static_cast<double>(k) / time_steps;
+        double* u = path.x.data() + path.layout.level_set(k);
+        for (std::size_t i = 0; i < first.values.size(); ++i) u[i] = (1 - t) * first.values[i] + t * last.values[i];
+    }
+    return path;
+}
+
+template <int Dim>
+PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last,
+                             int& folds) {
+    const auto& grid = path.layout.grid;
+    const int steps = path.layout.time_steps;
+    PathState<Dim> fine{{grid, 2 * steps}, {}};
+    fine.x.assign(fine.layout.size(), 0.0);
+    for (int k = 1; k <= steps; ++k) {
+        const double* before = shape_of(path, first, last, k - 1);
+        const double* after = shape_of(path, first, last, k);
+        if (k < steps)
+            std::copy(after, after + grid.node_count(),
+                      fine.x.begin() + static_cast<std::ptrdiff_t>(fine.layout.level_set(2 * k)));
+        double* between = fine.x.data() + fine.layout.level_set(2 * k - 1);
+        for_nodes(grid, [&](std::size_t i) {
+            const auto y = grid.position(grid.node(i));
+            Point<Dim> here{}, x = y;
+            for (int a = 0; a < Dim; ++a)
+                here[static_cast<std::size_t>(a)] = path.x[path.layout.displacement(k, a) + i];
+            for (std::size_t a = 0; a < Dim; ++a) x[a] = y[a] - 0.5 * here[a];
+            invert_at(path, k, 0.5, y, x);
+            const auto w = displacement_at(path, k, x);
+            Point<Dim> end{};
+            for (std::size_t a = 0; a < Dim; ++a) end[a] = x[a] + w[a];
+            // From both sides: carried along from the shape before, and pulled back from the shape after.
+            between[i] = 0.5 * (q1::value(grid, before, x) + q1::value(grid, after, end));
+            const bool fixed = on_boundary(grid, i);
+            for (int a = 0; a < Dim; ++a) {
+                const auto c = static_cast<std::size_t>(a);
+                fine.x[fine.layout.displacement(2 * k - 1, a) + i] = 0.5 * here[c];
+                fine.x[fine.layout.displacement(2 * k, a) + i] = fixed ? 0.0 : 0.5 * w[c];
+            }
+        });
+    }
+    folds = repair(fine);
+    return fine;
+}
+
+template <int Dim>
+PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
+    PathState<Dim> fine{{DyadicGrid<Dim>(path.layout.grid.level() + 1), path.layout.time_steps}, {}};
+    fine.x.resize(fine.layout.size());
+    const std::size_t coarse_nodes = path.layout.nodes(), fine_nodes = fine.layout.nodes();
+    oneapi::tbb::this_task_arena::isolate([&] {
+        oneapi::tbb::parallel_for(0, path.layout.field_count(), [&](int field) {
+            const auto f = static_cast<std::size_t>(field);
+            prolong<Dim>(path.layout.grid, std::span(path.x).subspan(f * coarse_nodes, coarse_nodes),
+                         std::span(fine.x).subspan(f * fine_nodes, fine_nodes));
+        });
+    });
+    folds = repair(fine);
+    return fine;
+}
+
+template <int Dim>
+PathState<Dim> reversed(const PathState<Dim>& path, int& folds) {
+    const auto& grid = path.layout.grid;
+    const int steps = path.layout.time_steps;
+    PathState<Dim> back{path.layout, {}};
+    back.x.assign(back.layout.size(), 0.0);
+    for (int k = 1; k <= steps; ++k) {
+        if (k < steps) {
+            const double* u = path.x.data() + path.layout.level_set(k);
+            std::copy(u, u + grid.node_count(),
+                      back.x.begin() + static_cast<std::ptrdiff_t>(back.layout.level_set(steps - k)));
+        }
+        for_nodes(grid, [&](std::size_t i) {
+            if (on_boundary(grid, i)) return;
+            const auto y = grid.position(grid.node(i));
+            Point<Dim> x = y;
+            invert_at(path, k, 1.0, y, x);
+            for (int a = 0; a < Dim; ++a) {
+                const auto c = static_cast<std::size_t>(a);
+                back.x[back.layout.displacement(steps + 1 - k, a) + i] = x[c] - y[c];
+            }
+        });
+    }
+    folds = repair(back);
+    return back;
+}
+
+#define MORPHODESIC_INSTANTIATE(Dim)                                                                              \
+    template PathState<Dim> blended_path<Dim>(const LevelSet<Dim>&, const LevelSet<Dim>&, int);                   \
+    template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
+                                               int&);                                                             \
+    template PathState<Dim> prolong_in_space<Dim>(const PathState<Dim>&, int&);                                   \
+    template PathState<Dim> reversed<Dim>(const PathState<Dim>&, int&);
+MORPHODESIC_INSTANTIATE(2)
+MORPHODESIC_INSTANTIATE(3)
+#undef MORPHODESIC_INSTANTIATE
+
+}  // namespace morphodesic

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "geodesic/discrete_geodesic.h"
+#include "geodesic/energy/path_energy.h"
+
+namespace morphodesic {
+
+/// A discrete path on one level of the cascade, between two fixed shapes.
+template <int Dim>
+struct PathState {
+    PathLayout<Dim> layout;
+    std::vector<double> x;  ///< PathLayout order
+};
+
+/// phi = id, u_k blended linearly between the two shapes.
+template <int Dim>
+PathState<Dim> blended_path(const LevelSet<Dim>& first, const LevelSet<Dim>& last, int time_steps);
+
+/// K -> 2 K: each deformation is cut in two halves, phi = second o (id + w / 2), with the shape between carried along
+/// as in (6)-(8). Folds of the halves are repaired; their number is returned in `folds`.
+template <int Dim>
+PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last,
+                             int& folds);
+
+/// Level -> level + 1 by multilinear prolongation. Folds are repaired; their number is returned in `folds`.
+template <int Dim>
+PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds);
+
+/// The path walked backwards, from last to first: inverse deformations, shapes in reverse order.
+template <int Dim>
+PathState<Dim> reversed(const PathState<Dim>& path, int& folds);
+
+}  // namespace morphodesic

@@ -1,0 +1,159 @@
+#include "geodesic/solver/path_minimizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <stdexcept>
+
+#include "geodesic/grid/injectivity.h"
+#include "geodesic/kernels/vector_kernels.h"
+#include "geodesic/solver/path_preconditioner.h"
+
+namespace morphodesic {
+
+namespace {
+
+constexpr double armijo = 1e-4;
+constexpr int max_halvings = 25;
+constexpr int refresh = 6;  // iterations between two updates of the preconditioner
+constexpr int window = 5;   // iterations over which the decrease is measured
+
+struct Pair {
+    std::vector<float> s, y;
+    double rho;
+};
+
+/// direction = -H gradient, two-loop recursion.
+template <int Dim>
+void lbfgs_direction(const std::deque<Pair>& pairs, PathPreconditioner<Dim>& preconditioner,
+                     const std::vector<double>& gradient, std::vector<double>& work, std::vector<double>& direction) {
+    work = gradient;
+    std::vector<double> alpha(pairs.size());
+    for (std::size_t i = pairs.size(); i-- > 0;) {
+        alpha[i] = pairs[i].rho * kernels::dot(work, pairs[i].s);
+        kernels::add_scaled(work, -alpha[i], pairs[i].y);
+    }
+    preconditioner.apply(work, direction);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const double beta = pairs[i].rho * kernels::dot(direction, pairs[i].y);
+        kernels::add_scaled(direction, alpha[i] - beta, pairs[i].s);
+    }
+    kernels::scale(direction, -1.0);
+}
+
+/// Repairs the deformations that fold, unless there are too many of them to be a local matter.
+template <int Dim>
+bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<double>& x) {
+    for (int k = 1; k <= layout.time_steps; ++k) {
+        if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det) continue;
+        std::array<double*, Dim> w;
+        for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
+        repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det);
+    }
+    return true;
+}
+
+}  // namespace
+
+template <int Dim>
+MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options,
+                               const std::function<bool(const PathTerms&)>& proceed) {
+    MinimizerSummary summary;
+    std::vector<double> gradient(x.size()), next_gradient(x.size()), next(x.size()), direction(x.size()),
+        work(x.size());
+    PathTerms terms = energy.evaluate(x, gradient);
+    summary.evaluations = 1;
+    if (!std::isfinite(terms.total)) throw std::invalid_argument("minimize_path: the start folds (infinite energy)");
+
+    PathPreconditioner<Dim> preconditioner(energy);
+    std::deque<Pair> pairs;
+    std::deque<double> energies{terms.total};
+    summary.termination = Termination::max_steps;
+    while (summary.iterations < options.max_iterations) {
+        if (proceed && !proceed(terms)) {
+            summary.termination = Termination::cancelled;
+            break;
+        }
+        if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
+        lbfgs_direction(pairs, preconditioner, gradient, work, direction);
+        double slope = kernels::dot(gradient, std::span<const double>(direction));
+        if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
+            pairs.clear();
+            lbfgs_direction(pairs, preconditioner, gradient, work, direction);
+            slope = kernels::dot(gradient, std::span<const double>(direction));
+        }
+        if (!(slope < 0)) {
+            summary.termination = terms.total > 0 && slope == 0 ? Termination::converged : Termination::no_descent;
+            break;
+        }
+
+        double t = 1.0;
+        PathTerms next_terms;
+        bool accepted = false;
+        for (int halving = 0; halving < max_halvings && !accepted; ++halving) {
+            kernels::step(next, x, t, direction);
+            next_terms = energy.evaluate(next, next_gradient);
+            ++summary.evaluations;
+            // Folds appear where the soft background is squeezed: undo them there instead of shortening the whole step.
+            if (!std::isfinite(next_terms.total) && repair<Dim>(energy.layout(), next_terms, next)) {
+                next_terms = energy.evaluate(next, next_gradient);
+                ++summary.evaluations;
+            }
+            accepted = next_terms.total <= terms.total + armijo * t * slope;
+            if (accepted) break;
+            if (std::isfinite(next_terms.total)) {
+                const double parabola = -0.5 * slope * t * t / (next_terms.total - terms.total - slope * t);
+                t = std::clamp(parabola, 0.1 * t, 0.5 * t);
+            } else {
+                t *= 0.5;
+            }
+        }
+        if (!accepted) {
+            if (!pairs.empty()) {
+                pairs.clear();
+                preconditioner.update(energy, x);
+                ++summary.iterations;
+                continue;
+            }
+            summary.termination = Termination::no_descent;
+            break;
+        }
+        ++summary.iterations;
+
+        Pair pair;
+        if (static_cast<int>(pairs.size()) == options.history) {  // reuse the memory of the oldest
+            pair = std::move(pairs.front());
+            pairs.pop_front();
+        } else {
+            pair.s.resize(x.size());
+            pair.y.resize(x.size());
+        }
+        kernels::difference(pair.s, next, x);
+        kernels::difference(pair.y, next_gradient, gradient);
+        const double curvature = kernels::dot(next_gradient, pair.s) - kernels::dot(gradient, pair.s);
+        std::swap(x, next);
+        std::swap(gradient, next_gradient);
+        terms = std::move(next_terms);
+        if (curvature > 1e-10 * std::abs(t * slope)) {
+            pair.rho = 1.0 / curvature;
+            pairs.push_back(std::move(pair));
+        }
+
+        energies.push_back(terms.total);
+        if (energies.size() > window + 1) energies.pop_front();
+        if (energies.size() == window + 1 &&
+            energies.front() - energies.back() <= options.tolerance * energies.back()) {
+            summary.termination = Termination::converged;
+            break;
+        }
+    }
+    summary.terms = std::move(terms);
+    return summary;
+}
+
+template MinimizerSummary minimize_path<2>(PathEnergy<2>&, std::vector<double>&, const MinimizerOptions&,
+                                           const std::function<bool(const PathTerms&)>&);
+template MinimizerSummary minimize_path<3>(PathEnergy<3>&, std::vector<double>&, const MinimizerOptions&,
+                                           const std::function<bool(const PathTerms&)>&);
+
+}  // namespace morphodesic

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "geodesic/energy/path_energy.h"
+
+namespace morphodesic {
+
+struct MinimizerOptions {
+    double tolerance = 3e-3;   ///< stop: relative decrease of E over five iterations
+    int max_iterations = 400;  ///< > 0
+    int history = 6;           ///< pairs of L-BFGS, > 0
+};
+
+struct MinimizerSummary {
+    Termination termination = Termination::converged;
+    int iterations = 0;
+    int evaluations = 0;
+    PathTerms terms;  ///< at the path that was reached
+};
+
+/// Minimises (14) over all deformations and all shapes between at once: L-BFGS whose initial Hessian is
+/// PathPreconditioner, Armijo line search. Steps to folded deformations are rejected.
+/// @param x        path, PathLayout order: start on entry, minimiser on return
+/// @param proceed  called once per iteration; returning false cancels; may be empty
+/// @throws std::invalid_argument if the start folds (infinite energy): repair it first
+template <int Dim>
+MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options,
+                               const std::function<bool(const PathTerms&)>& proceed = {});
+
+}  // namespace morphodesic

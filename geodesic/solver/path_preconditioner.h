@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geodesic/energy/path_energy.h"
+#include "geodesic/solver/multigrid.h"
+
+namespace morphodesic {
+
+/// Symmetric positive definite approximation of the inverse Hessian of (14), matched to the energy:
+///   phi_k, each component:  one V-cycle of -2 c K div(w_k grad) + 2 eta delta_eps(u_{k-1})^2, c = mu + lambda/4,
+///                           w_k = (1 - delta) H_eps(u_{k-1}) + delta;
+///   u_k:                    division by 4 eta h^d (delta_eps(u_k)^2 + 1e-3 max delta_eps^2).
+template <int Dim>
+class PathPreconditioner {
+public:
+    explicit PathPreconditioner(const PathEnergy<Dim>& energy);
+
+    /// Builds the operators at the path x.
+    void update(const PathEnergy<Dim>& energy, std::span<const double> x);
+
+    /// direction = approximate inverse Hessian times gradient; both in PathLayout order.
+    void apply(std::span<const double> gradient, std::span<double> direction);
+
+private:
+    PathLayout<Dim> layout_;
+    std::vector<VCycle<Dim>> cycles_;            // per time step
+    std::vector<std::vector<float>> inverse_u_;  // per shape between
+};
+
+}  // namespace morphodesic
