@@ -113,7 +113,7 @@ function heatMapSpec(order, tree, room, numbers) {
     signals: [
       {name: "hover", value: null, on: [{events: "@field:mousemove", update: at}, {events: "@field:mouseout", update: "null"}]},
       {name: "choice", value: null, on: [{events: "@field:click", update: at}]},
-      {name: "cursor", value: null},
+      {name: "chosen", value: null},
       {name: "branch", value: null, on: tree ? [{events: "@branch:mouseover", update: "{low: datum.low, high: datum.high, x: datum.low, y: datum.low, w: datum.high - datum.low + 1, h: datum.high - datum.low + 1}"},
         {events: "@branch:mouseout", update: "null"}] : []},
       {name: "names", value: order.map(shortName)},
@@ -135,7 +135,7 @@ function heatMapSpec(order, tree, room, numbers) {
         x: {signal: `(datum.c + 0.5) * ${cell}`}, y: {signal: `(datum.r + 0.5) * ${cell}`}, align: {value: "center"}, baseline: {value: "middle"},
         fontSize: {value: Math.min(14, cell / 3.4)}, text: {signal: "datum.d === null ? '' : datum.d === 0 ? '0' : format(datum.d, '.3f')"},
         fill: {signal: `datum.d > ${0.6 * top} ? '#111' : '#fff'`}}}}] : [],
-      frame("branch", "branch", "var(--accent)"), frame("hover", "hover", "#fff"), frame("cursor", "cursor", "var(--accent)"),
+      frame("branch", "branch", "var(--accent)"), frame("hover", "hover", "#fff"), frame("chosen", "chosen", "var(--accent)"),
       {name: "field", type: "rect", aria: false, encode: {enter: {fill: {value: "transparent"}, cursor: {value: "pointer"}},
         update: {width: {value: size}, height: {value: size}}}}),
   };
@@ -196,13 +196,13 @@ function embeddingSpec(embedding, edges, size, options) {
       .concat(options.pictures ? [{type: "image", from: {data: "shapes"}, interactive: false, aria: false, sort: {field: "datum.depth"}, encode: {update: {
         url: {field: "url"}, x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, width: {signal: "picture"}, height: {signal: "picture"},
         align: {value: "center"}, baseline: {value: "middle"}, aspect: {value: true}}}}] : [],
-      options.labels ? [{type: "text", from: {data: "edges"}, interactive: false, aria: false, encode: {update: {
+      options.labels ? [].concat(["halo", "text"].map(kind => ({type: "text", from: {data: "edges"}, interactive: false, aria: false, encode: {update: {
         x: {signal: "(scale('x', datum.A.px) + scale('x', datum.B.px)) / 2"}, y: {signal: "(scale('y', datum.A.py) + scale('y', datum.B.py)) / 2"},
         text: {signal: "format(datum.length, '.3f')"}, align: {value: "center"}, baseline: {value: "middle"}, fontSize: {value: 12}, fontWeight: {value: 600},
-        fill: {value: "var(--ink)"}, stroke: {value: null}}}},
+        fill: {value: kind === "halo" ? null : "var(--ink)"}, stroke: {value: kind === "halo" ? "var(--paper)" : null}, strokeWidth: {value: 4}}}})),
       {type: "text", from: {data: "shapes"}, interactive: false, aria: false, encode: {update: {
         x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, dy: {signal: "picture * 0.62 + 12"}, text: {field: "name"}, limit: {value: 120},
-        align: {value: "center"}, fontSize: {value: 11}, fill: {value: "var(--ink)"}}}}] : []),
+        align: {value: "center"}, fontSize: {value: 11}, fill: {value: "var(--ink)"}}}}) : []),
   };
 }
 
@@ -244,7 +244,7 @@ function curveSpec(curves, size, xTitle, yTitle) {
 }
 
 /// Bars of one value per item; signed values go left and right of zero.
-function barSpec(values, room, title, horizontal, colours) {
+function barSpec(values, room, title, horizontal, colours, itemTitle) {
   const step = horizontal ? Math.max(2, Math.min(16, 520 / values.length)) : Math.min(46, (room - 60) / values.length);
   const length = horizontal ? room - (step >= 9 ? 180 : 50) : 130, span = step * values.length;
   const along = horizontal ? "y" : "x", across = horizontal ? "x" : "y";
@@ -253,7 +253,7 @@ function barSpec(values, room, title, horizontal, colours) {
       {name: "value", domain: {data: "items", field: "value"}, range: horizontal ? [0, length] : [length, 0], zero: true, nice: true}],
     signals: [{name: "names", value: values.map(v => v.name)}],
     axes: [{orient: horizontal ? "top" : "left", scale: "value", title, grid: true, tickCount: 5}].concat(step >= 9 ? [{orient: horizontal ? "left" : "bottom",
-      scale: "item", ticks: false, domain: false, labelLimit: 120, encode: {labels: {update: {text: {signal: "names[datum.value]"}}}}}] : []),
+      scale: "item", ticks: false, domain: false, labelLimit: 120, title: itemTitle || null, encode: {labels: {update: {text: {signal: "names[datum.value]"}}}}}] : []),
     marks: [{type: "rect", from: {data: "items"}, aria: false, encode: {update: {
       [along]: {scale: "item", field: "k"}, [horizontal ? "height" : "width"]: {scale: "item", band: 1},
       [across]: {scale: "value", value: 0}, [across + "2"]: {scale: "value", field: "value"},

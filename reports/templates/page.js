@@ -2,8 +2,9 @@
 const redraws = [];
 
 function start() {
-  const main = document.getElementById("main"), explore = [glanceSection(), matrixSection(), embeddingSection(), neighbourSection()].filter(s => s);
-  main.append(summarySection(), el("div", {class: "explore"}, el("div", {class: "charts"}, explore), count > 1 ? el("div", {class: "aside"}, pairPanel()) : null));
+  const main = document.getElementById("main"), explore = [glanceSection(), matrixSection(),
+    count > 1 ? el("div", {class: "aside"}, pairPanel()) : null, embeddingSection(), neighbourSection()];
+  main.append(summarySection(), el("div", {class: "explore"}, explore));
   main.append(...[classSection(), trustSection(), volumeSection(), compareSection(), repeatSection()].filter(s => s));
   const titles = [...main.querySelectorAll("section > h2")].filter(h => h.parentNode.id !== "pair");
   document.getElementById("contents").append(el("ul", {}, titles.map(h => el("li", {}, el("a", {href: "#" + h.parentNode.id}, h.textContent)))));

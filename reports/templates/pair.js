@@ -50,9 +50,10 @@ function renderPair() {
     path && path.frames.some(f => f.picture) ? filmstrip(path) : null, path ? pathNumbers(path) : null,
     !path || !path.frames.some(f => f.picture) ? recompute(a, b) : null].filter(part => part));
   if (path) {
-    const steps = path.frames.map((f, k) => ({k, value: f.deformation_energy, name: String(k)})).filter(s => known(s.value));
+    const steps = path.frames.map((f, k) => ({value: f.deformation_energy, name: String(k)})).filter(s => known(s.value));
+    steps.forEach((s, k) => { s.k = k; });
     const chart = document.getElementById("pair-energies");
-    if (chart && steps.length) draw(chart, barSpec(steps, Math.min(420, body.clientWidth || 360), "deformation energy of the step", false),
+    if (chart && steps.length) draw(chart, barSpec(steps, Math.min(420, body.clientWidth || 360), "deformation energy", false, false, "time step"),
       "Bar chart of the deformation energy per time step; the numbers are in the table below it.");
   }
 }

@@ -24,7 +24,11 @@ function pickShape(i) {
   waiting = null;
   document.getElementById("pick").textContent = "";
   choosePair(first, i);
-  if (matchMedia("(max-width: 1099px)").matches) document.getElementById("pair").scrollIntoView({behavior: "smooth"});
+  bringPair();
+}
+/// On narrow screens the panel of the pair is not beside the charts: go there.
+function bringPair() {
+  if (matchMedia("(max-width: 1099px)").matches) document.getElementById("pair").scrollIntoView({block: "start"});
 }
 
 function summarySection() {
@@ -77,13 +81,13 @@ function matrixSection() {
     box.onmousemove = e => { mouse = e; };
     box.onmouseleave = () => { tip.hidden = true; };
     view.addSignalListener("hover", (_, h) => { if (h) setTimeout(() => tell(h.y, h.x, mouse)); else tip.hidden = true; });
-    view.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) { waiting = null; choosePair(order[h.y], order[h.x]); } });
+    view.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) { waiting = null; choosePair(order[h.y], order[h.x]); bringPair(); } });
     mark(pair.a, pair.b);
   }
   function mark(a, b) {
     if (!view || b === null) return;
     cursor = {x: order.indexOf(b), y: order.indexOf(a)};
-    view.signal("cursor", cursor).runAsync();
+    view.signal("chosen", cursor).runAsync();
   }
   box.addEventListener("keydown", e => {
     const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
@@ -91,7 +95,7 @@ function matrixSection() {
       e.preventDefault();
       const to = v => Math.max(0, Math.min(count - 1, v));
       cursor = {x: to(cursor.x + step[0]), y: to(cursor.y + step[1])};
-      view.signal("cursor", cursor).runAsync();
+      view.signal("chosen", cursor).runAsync();
       announce(`${nameOf(order[cursor.y])} and ${nameOf(order[cursor.x])}: ${cursor.x === cursor.y ? "the shape itself" : withError(order[cursor.y], order[cursor.x])}`);
     } else if (e.key === "Enter" && cursor && cursor.x !== cursor.y) choosePair(order[cursor.y], order[cursor.x]);
   });
@@ -160,10 +164,10 @@ function glanceSection() {
       "Graph of the shapes; each edge carries the geodesic distance of its ends. All distances are in the matrix beside it.");
     view.addSignalListener("pick", (_, p) => { if (p) pickShape(p.i); });
     await draw(matrix, heatMapSpec(order, null, matrix.clientWidth || 400, true), "Matrix of all distances with pictures and numbers.");
-    matrix.chart.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) choosePair(order[h.y], order[h.x]); });
+    matrix.chart.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) { choosePair(order[h.y], order[h.x]); bringPair(); } });
   });
   return section("glance", "All shapes at a glance", el("div", {class: "glance"}, graph, matrix),
-    table("All distances, with error bars", ["shape"].concat(order.map(shortName)), order.map(i => [nameOf(i)].concat(order.map(j => i === j ? "0" : withError(i, j))))));
+    el("details", {}, el("summary", {}, "All distances with their error bars"), table("All distances, with error bars", ["shape"].concat(order.map(shortName)), order.map(i => [nameOf(i)].concat(order.map(j => i === j ? "0" : withError(i, j)))))));
 }
 
 function neighbourSection() {
@@ -176,7 +180,7 @@ function neighbourSection() {
     const rows = all ? found : found.slice(0, 24);
     shownRows.replaceChildren(table(`The ${k} nearest neighbours` + (rows.length < found.length ? ` (${rows.length} of ${found.length} shapes)` : ""),
       ["shape", "class", ...Array.from({length: k}, (_, r) => "#" + (r + 1) + ".")], rows.map(i => [shapeLink(i, 44), shown(data.shapes[i].label),
-        ...Array.from({length: k}, (_, r) => { const j = neighboursOf(i)[r]; return j === undefined ? "–" : el("button", {type: "button", click: () => choosePair(i, j),
+        ...Array.from({length: k}, (_, r) => { const j = neighboursOf(i)[r]; return j === undefined ? "–" : el("button", {type: "button", click: () => { choosePair(i, j); bringPair(); },
           class: "near" + (byClass && data.shapes[i].label !== data.shapes[j].label ? " other" : ""),
           title: `${nameOf(j)}: ${withError(i, j)}`, "aria-label": `${nameOf(j)}, distance ${withError(i, j)}`}, thumbnail(j, 44, true), el("span", {}, num(distance(i, j)))); })]), {class: "neighbours"}),
       rows.length < found.length ? el("button", {type: "button", class: "quiet", click: () => fill(true)}, `Show all ${found.length}`) : "");
@@ -276,8 +280,8 @@ function volumeSection() {
     await draw(right, dendrogramSpec(v.tree, Math.min(520, right.clientWidth || 400), `By ${word}`), `Dendrogram by difference of ${word}.`);
   });
   return section("volumes", `More than ${word}?`, el("p", {}, `Rank correlation between geodesic distance and difference of ${word}: ${num(v.rank_correlation)}; agreement of the clusters (adjusted Rand index): ${num(v.adjusted_rand)}.`),
-    el("div", {class: "two"}, left, right), table(`Clusters by distance and by ${word}`, ["shape", `#${word}`, "#by distance", `#by ${word}`],
-      data.shapes.map((s, i) => [nameOf(i), num(s.volume), clusterOf(i) || "–", v.assignment[i] + 1])));
+    el("div", {class: "two"}, left, right), el("details", {open: count <= 30}, el("summary", {}, "Clusters as a table"), table(`Clusters by distance and by ${word}`, ["shape", `#${word}`, "#by distance", `#by ${word}`],
+      data.shapes.map((s, i) => [nameOf(i), num(s.volume), clusterOf(i) || "–", v.assignment[i] + 1]))));
 }
 
 function compareSection() {

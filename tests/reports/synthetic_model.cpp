@@ -16,7 +16,7 @@ using namespace reports;
 
 struct Blob {
     double radius = 0.3, depth = 0.2, lobes = 3, phase = 0;
-    [[nodiscard]] std::array<double, 3> place() const { return {depth * 1.5, (lobes - 4.0) * 0.12, radius * 1.2}; }
+    [[nodiscard]] std::array<double, 3> place() const { return {depth * 1.5, (lobes - 4.0) * 0.06 + phase * 0.08, radius * 1.2}; }
 };
 
 Blob between(const Blob& a, const Blob& b, double t) {
@@ -71,10 +71,8 @@ LinkageTree average_linkage(const std::vector<double>& condensed, std::size_t n,
 }  // namespace
 
 std::string blob_png(int pixels, double radius, double depth, double lobes, double phase, bool coloured) {
-    cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels, pixels);
+    cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, pixels, pixels);
     cairo_t* cr = cairo_create(surface);
-    cairo_set_source_rgb(cr, 1, 1, 1);
-    cairo_paint(cr);
     cairo_scale(cr, pixels, pixels);
     for (int k = 0; k <= 180; ++k) {
         const double t = 2 * std::numbers::pi * k / 180;
@@ -90,7 +88,7 @@ std::string blob_png(int pixels, double radius, double depth, double lobes, doub
         cairo_set_source(cr, paint);
         cairo_pattern_destroy(paint);
     } else {
-        cairo_set_source_rgb(cr, 0.25, 0.31, 0.4);
+        cairo_set_source_rgb(cr, 0.29, 0.46, 0.68);
     }
     cairo_fill(cr);
     std::string bytes;
@@ -128,7 +126,7 @@ ReportModel synthetic_model(const SyntheticStudy& study) {
     std::vector<Blob> blobs(n);
     for (std::size_t i = 0; i < n; ++i) {
         const int c = static_cast<int>(i) % study.classes;
-        blobs[i] = {uniform(0.28, 0.36), 0.15 + 0.08 * (c % 4) + uniform(-0.02, 0.02), 3.0 + c % 8, uniform(-0.4, 0.4)};
+        blobs[i] = {uniform(0.24, 0.38), 0.15 + 0.08 * (c % 4) + uniform(-0.06, 0.06), 3.0 + c % 8, uniform(-0.4, 0.4)};
         ReportShape s;
         s.name = std::string(words[static_cast<std::size_t>(c) % 8]) + "/" + words[static_cast<std::size_t>(c) % 8] +
                  "-" + std::to_string(i / static_cast<std::size_t>(study.classes) + 1) + ".png";

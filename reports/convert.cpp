@@ -1,0 +1,112 @@
+#include <cairo-pdf.h>
+#include <cairo.h>
+#include <librsvg/rsvg.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include "reports/figures.h"
+#include "reports/svg.h"
+
+namespace morphodesic::reports {
+namespace {
+
+struct Drawing {
+    std::unique_ptr<RsvgHandle, decltype(&g_object_unref)> handle{nullptr, g_object_unref};
+    double width = 0, height = 0;
+
+    explicit Drawing(const std::string& svg) {
+        GError* error = nullptr;
+        GInputStream* stream =
+            g_memory_input_stream_new_from_data(svg.data(), static_cast<gssize>(svg.size()), nullptr);
+        // Figures with many pictures are larger than libxml2 takes from strangers; this text is our own.
+        handle.reset(rsvg_handle_new_from_stream_sync(stream, nullptr, RSVG_HANDLE_FLAG_UNLIMITED, nullptr, &error));
+        g_object_unref(stream);
+        if (!handle) fail(error, "the figure is not an SVG document");
+        if (!rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &width, &height) || width < 1 || height < 1) {
+            throw std::runtime_error("the figure has no size");
+        }
+    }
+    void draw(cairo_t* cr, double w, double h) const {
+        GError* error = nullptr;
+        const RsvgRectangle box = {0, 0, w, h};
+        if (!rsvg_handle_render_document(handle.get(), cr, &box, &error)) fail(error, "the figure cannot be drawn");
+    }
+    [[noreturn]] static void fail(GError* error, std::string what) {
+        if (error != nullptr) what += std::string(": ") + error->message;
+        g_clear_error(&error);
+        throw std::runtime_error(what);
+    }
+};
+
+cairo_status_t append(void* closure, const unsigned char* part, unsigned length) {
+    static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(part), length);
+    return CAIRO_STATUS_SUCCESS;
+}
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
+
+void check(cairo_status_t status) {
+    if (status != CAIRO_STATUS_SUCCESS) {
+        throw std::runtime_error(std::string("the figure cannot be drawn: ") + cairo_status_to_string(status));
+    }
+}
+
+}  // namespace
+
+std::string svg_to_png(const std::string& svg, int width) {
+    const Drawing drawing(svg);
+    const double w = width > 0 ? width : drawing.width, h = w * drawing.height / drawing.width;
+    const Surface surface(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::ceil(w)), static_cast<int>(std::ceil(h))),
+        cairo_surface_destroy);
+    check(cairo_surface_status(surface.get()));
+    const Context cr(cairo_create(surface.get()), cairo_destroy);
+    cairo_set_source_rgb(cr.get(), 1, 1, 1);
+    cairo_paint(cr.get());
+    drawing.draw(cr.get(), w, h);
+    check(cairo_status(cr.get()));
+    std::string bytes;
+    check(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+    return bytes;
+}
+
+std::string svg_to_pdf(const std::string& svg) {
+    const Drawing drawing(svg);
+    const double w = 0.75 * drawing.width, h = 0.75 * drawing.height;  // pixels of 1/96 inch to points
+    std::string bytes;
+    {
+        const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, w, h), cairo_surface_destroy);
+        const Context cr(cairo_create(surface.get()), cairo_destroy);
+        drawing.draw(cr.get(), w, h);
+        check(cairo_status(cr.get()));
+        cairo_surface_finish(surface.get());
+        check(cairo_surface_status(surface.get()));
+    }
+    return bytes;
+}
+
+std::string raster_png(int width, int height, const std::vector<std::string>& colours) {
+    const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height), cairo_surface_destroy);
+    check(cairo_surface_status(surface.get()));
+    unsigned char* data = cairo_image_surface_get_data(surface.get());
+    const int stride = cairo_image_surface_get_stride(surface.get());
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const std::string& colour =
+                colours.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+            const auto rgb = static_cast<std::uint32_t>(std::stoul(colour.substr(1), nullptr, 16));
+            std::memcpy(data + y * stride + 4 * x, &rgb, sizeof rgb);
+        }
+    }
+    cairo_surface_mark_dirty(surface.get());
+    std::string bytes;
+    check(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+    return bytes;
+}
+
+}  // namespace morphodesic::reports
