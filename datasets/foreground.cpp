@@ -162,7 +162,7 @@ private:
 
     void from_alpha() {
         for (std::size_t p = 0; p < result_.values.size(); ++p) {
-            result_.values[p] = static_cast<float>(image_.at(p)[image_.channels - 1] / image_.max_value);
+            result_.values[p] = rounded(image_.at(p)[image_.channels - 1] / image_.max_value);
         }
     }
 
@@ -220,7 +220,13 @@ private:
     /// Makes `nothing` coverage 0 and `object` coverage 1.
     void finish(double nothing, double object) {
         const double factor = 1.0 / (object - nothing);
-        for (float& v : result_.values) v = static_cast<float>(std::clamp((v - nothing) * factor, 0.0, 1.0));
+        for (float& v : result_.values) v = rounded((v - nothing) * factor);
+    }
+
+    /// To 16 bits, so that rounding in the way here (white on black or black on white) does not change the content
+    /// digest.
+    static float rounded(double share) {
+        return static_cast<float>(std::round(std::clamp(share, 0.0, 1.0) * 65535.0) / 65535.0);
     }
 
     const PixelImage& image_;

@@ -107,13 +107,40 @@ ImageHeader gif(std::string_view bytes) {
     return {ImageFormat::gif, double(number(bytes, 6, 2, false)), double(number(bytes, 8, 2, false))};
 }
 
+/// Bytes that the uncompressed formats must have; 0 for those whose decoders notice that something is missing.
+double least_size(std::string_view bytes, const ImageHeader& header) {
+    const double pixels = header.width * header.height;
+    if (header.format == ImageFormat::pnm) {
+        switch (bytes[1]) {
+            case '1':
+                return pixels;
+            case '2':
+                return 2.0 * pixels;
+            case '3':
+                return 6.0 * pixels;
+            case '4':
+                return std::ceil(header.width / 8.0) * header.height;
+            case '5':
+                return pixels;
+            default:
+                return 3.0 * pixels;
+        }
+    }
+    const bool old = header.format == ImageFormat::bmp && number(bytes, 14, 4, false) == 12;
+    if (header.format == ImageFormat::bmp && (old || number(bytes, 30, 4, false) == 0)) {  // not run-length encoded
+        const double bits = double(number(bytes, old ? 24 : 28, 2, false));
+        return double(number(bytes, 10, 4, false)) + std::ceil(bits * header.width / 32.0) * 4.0 * header.height;
+    }
+    return 0.0;
+}
+
 std::optional<ImageHeader> header_of(std::string_view bytes) {
-    const auto begins = [&](std::string_view magic) { return bytes.substr(0, magic.size()) == magic; };
+    const auto begins = [&](std::string_view magic) { return bytes.starts_with(magic); };
     if (begins("\x89PNG\r\n\x1a\n"sv)) return png(bytes);
     if (begins("\xff\xd8\xff"sv)) return jpeg(bytes);
     if (begins("BM"sv)) return bmp(bytes);
     if (begins("II*\0"sv) || begins("MM\0*"sv) || begins("II+\0"sv) || begins("MM\0+"sv)) return tiff(bytes);
-    if (begins("RIFF"sv) && bytes.substr(8, 4) == "WEBP"sv) return webp(bytes);
+    if (begins("RIFF"sv) && bytes.size() > 12 && bytes.substr(8, 4) == "WEBP"sv) return webp(bytes);
     if (begins("GIF87a"sv) || begins("GIF89a"sv)) return gif(bytes);
     if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6') return pnm(bytes);
     return std::nullopt;
@@ -142,6 +169,12 @@ ImageHeader read_image_header(const std::filesystem::path& file, std::string_vie
                       header->width, header->height, max_megapixels);
         throw ReadError(file, text, "scale it down, or raise --max-megapixels");
     }
+    bool complete = false;
+    try {
+        complete = double(bytes.size()) >= least_size(bytes, *header);
+    } catch (const OutOfBytes&) {
+    }
+    if (!complete) throw ReadError(file, "the image is cut off", "copy or export it again");
     return *header;
 }
 

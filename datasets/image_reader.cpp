@@ -52,9 +52,8 @@ RawShape<2> read_shape_2d(const ShapeSource& source, const ImportOptions& option
     Outline outline = outline_of(coverage);
     const double whole = moments(outline).area;
     const SpeckRemoval removal = remove_specks(outline, options.speck_fraction);
-    const double kept = whole > 0.0 ? moments(outline).area / whole : 0.0;
-    if (outline.loops.empty() || kept < 0.5) {
-        throw ReadError(source.path, "there is no clear object, most of the foreground is specks",
+    if (outline.loops.empty() || removal.removed_area > 0.25 * whole) {
+        throw ReadError(source.path, "there is no clear object, much of the picture is specks",
                         "use a silhouette: one shape in one tone on a plain background");
     }
     if (removal.specks + removal.pinholes > 0) {

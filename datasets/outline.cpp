@@ -120,7 +120,8 @@ private:
 };
 
 /// Moves every crossing to the parabola that fits its neighbours best, as long as the outline is a graph over the
-/// direction across its pixel pair: straight edges become straight, curvature and area stay, corners stay.
+/// direction across its pixel pair: straight edges become straight, curvature and area stay, corners stay. A crossing
+/// that is one step of a steep edge tells nothing about the place of that edge; its position is set to NaN.
 std::vector<double> fitted_positions(const std::vector<Crossing>& loop) {
     constexpr int reach = 5;
     const int n = static_cast<int>(loop.size());
@@ -151,6 +152,10 @@ std::vector<double> fitted_positions(const std::vector<Crossing>& loop) {
                 for (int q = 0; q < 5; ++q, power *= s) m[q] += power;
                 r[0] += h, r[1] += h * s, r[2] += h * s * s;
             }
+        }
+        if (used == 1 && direction * (s_back - position(i - 2, c.vertical).first) < 1e-9 &&
+            direction * (position(i + 2, c.vertical).first - s_front) < 1e-9) {
+            result[static_cast<std::size_t>(i)] = std::nan("");
         }
         if (used < 2) continue;
         // Least squares h = a + b s + c s^2; a is the wanted height at s = 0 (Cramer's rule).
@@ -218,7 +223,7 @@ Outline outline_of(const Coverage& coverage) {
             const double column = c.column + (c.vertical ? 0.0 : c.t) - 0.5,
                          row = c.row + (c.vertical ? c.t : 0.0) - 0.5;
             const Point<2> p = {column, coverage.height - row};
-            if (polygon.empty() || polygon.back() != p) polygon.push_back(p);
+            if (!std::isnan(c.t) && (polygon.empty() || polygon.back() != p)) polygon.push_back(p);
         }
         while (polygon.size() > 1 && polygon.back() == polygon.front()) polygon.pop_back();
         if (polygon.size() < 3) outline.loops.pop_back();
@@ -235,10 +240,10 @@ SpeckRemoval remove_specks(Outline& outline, double fraction) {
         if (std::abs(area) >= fraction * total) return false;
         if (area > 0.0) {
             ++removal.specks;
-            removal.removed_area += area;
         } else {
             ++removal.pinholes;
         }
+        removal.removed_area += std::abs(area);
         return true;
     });
     return removal;

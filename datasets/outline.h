@@ -44,7 +44,7 @@ Outline outline_of(const Coverage& coverage);
 
 struct SpeckRemoval {
     int specks = 0, pinholes = 0;  ///< loops removed
-    double removed_area = 0.0;     ///< of the specks
+    double removed_area = 0.0;     ///< of specks and pinholes together
 };
 
 /// Removes the parts and holes with less than a share of the area of the whole object.

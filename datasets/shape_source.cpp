@@ -23,9 +23,10 @@ std::string ending_of(const std::filesystem::path& file) {
 
 int dimension_by_content(std::string_view head) {
     using namespace std::string_view_literals;
-    const auto begins = [&](std::string_view magic) { return head.substr(0, magic.size()) == magic; };
+    const auto begins = [&](std::string_view magic) { return head.starts_with(magic); };
     if (begins("\x89PNG\r\n\x1a\n"sv) || begins("\xff\xd8\xff"sv) || begins("GIF87a"sv) || begins("GIF89a"sv) ||
-        begins("II*\0"sv) || begins("MM\0*"sv) || (begins("RIFF"sv) && head.substr(8, 4) == "WEBP"sv)) {
+        begins("II*\0"sv) || begins("MM\0*"sv) ||
+        (begins("RIFF"sv) && head.size() >= 12 && head.substr(8, 4) == "WEBP"sv)) {
         return 2;
     }
     if (begins("ply\n"sv) || begins("ply\r"sv) || begins("OFF\n"sv) || begins("OFF\r"sv)) return 3;

@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/image_header.h"
+#include "datasets/read_error.h"
+#include "tests/datasets/test_pictures.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using namespace std::string_literals;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using tests::disk_picture;
+using tests::read;
+using tests::save;
+using tests::toned;
+
+/// What reading a file complains about; "" if it does not.
+std::string complaint(const std::filesystem::path& file, const ImportOptions& options = {}) {
+    try {
+        read(file, options);
+    } catch (const ReadError& error) {
+        EXPECT_THAT(error.what(), HasSubstr(file.filename().string()));
+        EXPECT_FALSE(error.remedy().empty());
+        return error.what();
+    }
+    return "";
+}
+
+std::string be32(std::uint32_t v) {
+    return {char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
+}
+std::string le32(std::uint32_t v) {
+    return {char(v), char(v >> 8), char(v >> 16), char(v >> 24)};
+}
+
+TEST(ImageDamage, CutOffFilesAreRefusedWhereverTheyAreCut) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat disk = toned(disk_picture(64, 32, 32, 20), 255, 0);
+    for (const char* ending : {"png", "jpg", "bmp", "tif", "pgm", "webp"}) {
+        const std::string whole = tests::file_content(save(folder / ("whole."s + ending), disk));
+        for (const double share : {0.0, 0.02, 0.1, 0.5, 0.9}) {
+            const auto cut =
+                folder.write("cut."s + ending, whole.substr(0, static_cast<std::size_t>(share * double(whole.size()))));
+            EXPECT_NE(complaint(cut), "") << ending << " " << share;
+        }
+    }
+}
+
+TEST(ImageDamage, AChangedBitInAPngIsNoticed) {
+    const tests::TemporaryFolder folder;
+    std::string bytes = tests::file_content(save(folder / "a.png", toned(disk_picture(64, 32, 32, 20), 255, 0)));
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+    EXPECT_THAT(complaint(folder.write("b.png", bytes)), HasSubstr("check sum"));
+}
+
+TEST(ImageDamage, EmptyAndForeignFilesAreRefused) {
+    const tests::TemporaryFolder folder;
+    EXPECT_THAT(complaint(folder.write("zero.png", "")), HasSubstr("empty"));
+    EXPECT_THAT(complaint(folder.write("text.png", "not an image at all, really")), HasSubstr("not an image"));
+    EXPECT_THAT(complaint(folder.write("odd \"name\"\n \xc3\xa4.png", "x")), HasSubstr("not an image"));
+    EXPECT_THAT(complaint(folder.write("only magic.gif", "GIF89a")), HasSubstr("header"));
+}
+
+TEST(ImageDamage, BombsAndLyingHeadersAreRefusedBeforeMemoryIsAskedFor) {
+    const tests::TemporaryFolder folder;
+    const std::string png = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR"s + be32(100000) + be32(100000) + "\x08\0\0\0\0"s + be32(0);
+    EXPECT_THAT(complaint(folder.write("bomb.png", png)),
+                AllOf(HasSubstr("100000 x 100000"), HasSubstr("--max-megapixels")));
+    const std::string bmp =
+        "BM"s + le32(1000) + le32(0) + le32(54) + le32(40) + le32(0x7fffffff) + le32(0x80000000U) + "\x01\0\x18\0"s;
+    EXPECT_THAT(complaint(folder.write("bomb.bmp", bmp)), HasSubstr("pixels, more than"));
+    EXPECT_THAT(complaint(folder.write("bomb.pgm", "P5\n# c\n99999999999 99999999999 255\n")), HasSubstr("more than"));
+    EXPECT_THAT(complaint(folder.write("bomb.gif", "GIF89a\xff\xff\xff\xff\0\0\0;"s)), HasSubstr("65535 x 65535"));
+    const std::string tiff = "II*\0"s + le32(8) + "\x02\0"s + "\0\x01\x04\0"s + le32(1) + le32(200000) +
+                             "\x01\x01\x04\0"s + le32(1) + le32(200000);
+    EXPECT_THAT(complaint(folder.write("bomb.tif", tiff)), HasSubstr("200000 x 200000"));
+    const std::string jpeg = "\xff\xd8\xff\xc0\0\x11\x08\xff\xff\xff\xff\x03"s;
+    EXPECT_THAT(complaint(folder.write("bomb.jpg", jpeg)), HasSubstr("65535 x 65535"));
+    const std::string webp = "RIFF\0\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\xff\xff\xff\xff\xff\xff"s;
+    EXPECT_THAT(complaint(folder.write("bomb.webp", webp)), HasSubstr("16777216 x 16777216"));
+    EXPECT_THAT(complaint(folder.write("none.pgm", "P5\n0 5 255\n")), HasSubstr("no pixels"));
+    // Within the limit by its header, but nothing behind it.
+    EXPECT_NE(complaint(folder.write("lie.pgm", "P5\n5000 5000 255\nx")), "");
+    const auto small = save(folder / "small.png", toned(disk_picture(64, 32, 32, 20), 255, 0));
+    ImportOptions tight;
+    tight.max_megapixels = 0.004;
+    EXPECT_THAT(complaint(small, tight), HasSubstr("64 x 64"));
+    tight.max_megapixels = 0.0041;
+    EXPECT_EQ(complaint(small, tight), "");
+}
+
+TEST(ImageDamage, ImagesWithoutAShapeAreRefusedWithAReason) {
+    const tests::TemporaryFolder folder;
+    EXPECT_THAT(complaint(save(folder / "plain.png", cv::Mat(20, 20, CV_8U, cv::Scalar(255)))),
+                HasSubstr("only one colour"));
+    EXPECT_THAT(complaint(save(folder / "pixel.png", cv::Mat(1, 1, CV_8U, cv::Scalar(0)))),
+                HasSubstr("only one colour"));
+    cv::Mat faint(64, 64, CV_8U);
+    for (int i = 0; i < 64 * 64; ++i) faint.data[i] = static_cast<uchar>(200 + (i * i / 7) % 5);
+    EXPECT_THAT(complaint(save(folder / "faint.png", faint)), HasSubstr("contrast"));
+    cv::Mat noise(128, 128, CV_8U);
+    cv::theRNG().state = 7;
+    cv::randu(noise, 0, 256);
+    EXPECT_THAT(complaint(save(folder / "noise.png", noise)), HasSubstr("specks"));
+}
+
+TEST(ImageDamage, AMissingFileSaysSo) {
+    const tests::TemporaryFolder folder;
+    ShapeSource source;
+    source.path = folder / "gone.png";
+    EXPECT_THROW(read_shape<2>(source), ReadError);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets

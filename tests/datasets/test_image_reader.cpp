@@ -1,0 +1,220 @@
+#include <gif_lib.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "datasets/image_pixels.h"
+#include "datasets/read_error.h"
+#include "tests/datasets/test_pictures.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using tests::disk_error;
+using tests::disk_picture;
+using tests::read;
+using tests::save;
+using tests::toned;
+
+constexpr double pi = std::numbers::pi;
+
+void write_gif(const std::filesystem::path& file, const cv::Mat& grey, int transparent) {
+    int error = 0;
+    GifFileType* gif = EGifOpenFileName(file.c_str(), false, &error);
+    ASSERT_NE(gif, nullptr);
+    std::vector<GifColorType> colours(256);
+    for (int i = 0; i < 256; ++i)
+        colours[static_cast<std::size_t>(i)] = {GifByteType(i), GifByteType(i), GifByteType(i)};
+    ColorMapObject* map = GifMakeMapObject(256, colours.data());
+    EGifPutScreenDesc(gif, grey.cols, grey.rows, 8, 0, map);
+    if (transparent >= 0) {
+        const GifByteType control[] = {1, 0, 0, GifByteType(transparent)};
+        EGifPutExtension(gif, GRAPHICS_EXT_FUNC_CODE, sizeof control, control);
+    }
+    EGifPutImageDesc(gif, 0, 0, grey.cols, grey.rows, false, nullptr);
+    for (int row = 0; row < grey.rows; ++row)
+        EGifPutLine(gif, const_cast<GifByteType*>(grey.ptr<GifByteType>(row)), grey.cols);
+    EGifCloseFile(gif, &error);
+    GifFreeMapObject(map);
+}
+
+TEST(ImageReader, EveryFormatGivesTheSameDisk) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat dark = toned(disk_picture(96, 47.3, 50.6, 25.4), 255, 0);
+    std::vector<std::filesystem::path> exact;
+    for (const char* name : {"a.png", "a.bmp", "a.tif", "a.tiff", "a.pgm"}) exact.push_back(save(folder / name, dark));
+    exact.push_back(save(folder / "lossless.webp", dark, {cv::IMWRITE_WEBP_QUALITY, 101}));
+    write_gif(folder / "a.gif", dark, -1);
+    exact.push_back(folder / "a.gif");
+    std::string digest;
+    for (const auto& file : exact) {
+        const RawShape<2> raw = read(file);
+        EXPECT_LT(disk_error(raw, 47.3, 50.6, 25.4), 0.1) << file;
+        EXPECT_THAT(raw.notes, IsEmpty()) << file;
+        const std::string own = normalize(raw, {}).digest;
+        if (digest.empty()) digest = own;
+        EXPECT_EQ(own, digest) << file;
+    }
+    EXPECT_LT(disk_error(read(save(folder / "a.jpg", dark, {cv::IMWRITE_JPEG_QUALITY, 90})), 47.3, 50.6, 25.4), 0.25);
+    EXPECT_LT(disk_error(read(save(folder / "lossy.webp", dark, {cv::IMWRITE_WEBP_QUALITY, 80})), 47.3, 50.6, 25.4),
+              0.5);
+    EXPECT_LT(disk_error(read(save(folder / "a.pbm", toned(disk_picture(96, 47.3, 50.6, 25.4, 1), 255, 0))), 47.3, 50.6,
+                         25.4),
+              0.5);
+}
+
+TEST(ImageReader, PolarityComesFromTheBorder) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat disk = disk_picture(64, 30, 33, 20);
+    const std::vector<std::pair<double, double>> tones = {{0, 255}, {255, 0}, {100, 140}, {140, 100}, {0, 1}, {1, 0}};
+    for (const auto& [background, object] : tones) {
+        const cv::Mat image =
+            toned(std::abs(object - background) < 2 ? disk_picture(64, 30, 33, 20, 1) : disk, background, object);
+        const RawShape<2> raw = read(save(folder / "a.png", image));
+        EXPECT_LT(disk_error(raw, 30, 33, 20), 0.5) << background << " " << object;
+        EXPECT_NEAR(raw.volume, pi * 400, 10) << background << " " << object;
+    }
+    // More than half of the picture is object, the border still tells.
+    const cv::Mat large = toned(disk_picture(64, 32, 32, 30), 255, 0);
+    EXPECT_NEAR(read(save(folder / "large.png", large)).volume, pi * 900, 10);
+}
+
+TEST(ImageReader, ForegroundCanBeOverruled) {
+    const tests::TemporaryFolder folder;
+    const auto file = save(folder / "a.png", toned(disk_picture(64, 32, 32, 20), 255, 0));
+    ImportOptions options;
+    options.foreground = "dark";
+    EXPECT_NEAR(read(file, options).volume, pi * 400, 5);
+    options.foreground = "light";
+    EXPECT_NEAR(read(file, options).volume, 64 * 64 - pi * 400, 5);
+    options.foreground = "alpha";
+    EXPECT_THROW(read(file, options), ReadError);
+    options.foreground = "green";
+    EXPECT_THROW(read(file, options), std::invalid_argument);
+}
+
+TEST(ImageReader, SixteenBitsColourAndPaletteAreUnderstood) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat disk = disk_picture(96, 47.3, 50.6, 25.4);
+    EXPECT_LT(disk_error(read(save(folder / "full.png", toned(disk, 65535, 0, CV_16U))), 47.3, 50.6, 25.4), 0.1);
+    EXPECT_LT(disk_error(read(save(folder / "12bit.tif", toned(disk, 200, 4000, CV_16U))), 47.3, 50.6, 25.4), 0.1);
+    EXPECT_LT(disk_error(read(save(folder / "float.tif", toned(disk, -3.0, 7.5, CV_32F))), 47.3, 50.6, 25.4), 0.1);
+    // Equal brightness, different colours: only a distance of colours sees the object.
+    std::vector<cv::Mat> channels = {toned(disk, 20, 20), toned(disk, 70, 150), toned(disk, 230, 73)};
+    cv::Mat colour;
+    cv::merge(channels, colour);
+    EXPECT_LT(disk_error(read(save(folder / "colour.png", colour)), 47.3, 50.6, 25.4), 0.1);
+    // One bit per pixel, which PNG stores as palette indices or bits.
+    const cv::Mat bits = toned(disk_picture(96, 47.3, 50.6, 25.4, 1), 255, 0);
+    EXPECT_LT(disk_error(read(save(folder / "bits.png", bits, {cv::IMWRITE_PNG_BILEVEL, 1})), 47.3, 50.6, 25.4), 0.5);
+}
+
+TEST(ImageReader, AnObjectOfSeveralColoursIsOneShape) {
+    const tests::TemporaryFolder folder;
+    cv::Mat colour(100, 100, CV_8UC3, cv::Scalar(250, 250, 250));
+    colour(cv::Rect(20, 20, 30, 60)) = cv::Scalar(200, 30, 20);
+    colour(cv::Rect(50, 20, 30, 60)) = cv::Scalar(30, 180, 120);
+    EXPECT_NEAR(read(save(folder / "a.png", colour)).volume, 3600, 30);
+}
+
+TEST(ImageReader, TransparencyTellsTheObjectWhereTheBorderIsTransparent) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat alpha = toned(disk_picture(96, 47.3, 50.6, 25.4), 0, 255);
+    const cv::Mat black = cv::Mat::zeros(96, 96, CV_8U), white(96, 96, CV_8U, cv::Scalar(255));
+    std::vector<cv::Mat> channels = {black, black, black, alpha};
+    cv::Mat image;
+    cv::merge(channels, image);
+    EXPECT_LT(disk_error(read(save(folder / "transparent.png", image)), 47.3, 50.6, 25.4), 0.1);
+    // Opaque everywhere: the colours count.
+    channels = {alpha, alpha, alpha, white};
+    cv::merge(channels, image);
+    EXPECT_LT(disk_error(read(save(folder / "opaque.png", image)), 47.3, 50.6, 25.4), 0.1);
+    channels = {white, white, white, black};
+    cv::merge(channels, image);
+    EXPECT_THROW(read(save(folder / "nothing.png", image)), ReadError);
+    write_gif(folder / "transparent.gif", toned(disk_picture(96, 47.3, 50.6, 25.4, 1), 7, 200), 7);
+    EXPECT_LT(disk_error(read(folder / "transparent.gif"), 47.3, 50.6, 25.4), 0.5);
+}
+
+TEST(ImageReader, AShapeAtTheBorderKeepsItsOutline) {
+    const tests::TemporaryFolder folder;
+    const auto inside = [](double x, double y) {
+        return x < 30 && y > 24 && y < 40;
+    };  // leaves the picture on the left
+    const RawShape<2> raw = read(save(folder / "a.png", toned(tests::picture(64, 64, 1, inside), 255, 0)));
+    EXPECT_NEAR(raw.volume, 30 * 16, 1.0);
+    EXPECT_NEAR(raw.centroid[0], 15.0, 0.05);
+    EXPECT_NEAR(raw.centroid[1], 32.0, 0.05);
+    EXPECT_NEAR(raw.extent_radius, std::hypot(15.0, 8.0), 0.5);
+    // The same with free space around it is the same shape.
+    const auto moved = [&](double x, double y) { return x > 20 && inside(x - 20, y - 11); };
+    const RawShape<2> free = read(save(folder / "b.png", toned(tests::picture(90, 90, 1, moved), 255, 0)));
+    const auto u = normalize(raw, {}).level_set, v = normalize(free, {}).level_set;
+    for (std::size_t i = 0; i < u.values.size(); ++i) EXPECT_NEAR(u.values[i], v.values[i], 1e-6);
+    // If most of the border is object, that is doubtful and said so.
+    const auto most = [](double x, double y) { return y < 40 && x < 64; };
+    EXPECT_THAT(read(save(folder / "c.png", toned(tests::picture(64, 64, 1, most), 255, 0))).notes,
+                Contains(HasSubstr("border")));
+}
+
+TEST(ImageReader, PartsAndHolesStaySpecksGo) {
+    const tests::TemporaryFolder folder;
+    cv::Mat image(200, 200, CV_8U, cv::Scalar(255));
+    image(cv::Rect(20, 20, 100, 100)) = 0;
+    image(cv::Rect(40, 40, 20, 20)) = 255;  // a hole
+    image(cv::Rect(140, 140, 20, 20)) = 0;  // a part
+    image(cv::Rect(100, 100, 1, 1)) = 255;  // a pinhole
+    image(cv::Rect(10, 190, 2, 2)) = 0;     // a speck
+    const auto file = save(folder / "a.png", image);
+    const RawShape<2> raw = read(file);
+    EXPECT_NEAR(raw.volume, 10000 - 400 + 400, 3.0);
+    EXPECT_THAT(raw.notes, Contains(HasSubstr("1 specks and 1 pinholes")));
+    const auto u = normalize(raw, {"none", 0.0, 6}).level_set;
+    EXPECT_LT(u.values[u.grid.index({16, 48})], 0.0);  // in the hole
+    EXPECT_GT(u.values[u.grid.index({48, 16})], 0.0);  // in the part
+    EXPECT_LT(u.values[u.grid.index({3, 3})], 0.0);    // on the speck
+    ImportOptions all;
+    all.speck_fraction = 0.0;
+    EXPECT_NEAR(read(file, all).volume, 10000 - 1 + 4, 3.0);
+    EXPECT_THAT(read(file, all).notes, IsEmpty());
+}
+
+TEST(ImageReader, TheMaskBesideAnImageTellsWhereItIsHidden) {
+    const tests::TemporaryFolder folder;
+    const auto file = save(folder / "q.png", toned(disk_picture(64, 32, 32, 15), 255, 0));
+    EXPECT_TRUE(normalize(read(file), {}).occlusion_mask.values.empty());
+    const std::string open = normalize(read(file), {"none", 0.0, 6}).digest;
+    cv::Mat mask = cv::Mat::zeros(64, 64, CV_8U);
+    mask(cv::Rect(40, 0, 24, 64)) = 255;  // right of x = 40, and beyond the image as well
+    save(folder / "q.mask.png", mask);
+    const Shape<2> shape = normalize(read(file), {"none", 0.0, 6});
+    const auto& chi = shape.occlusion_mask;
+    ASSERT_EQ(chi.values.size(), shape.level_set.values.size());
+    EXPECT_EQ(chi.values[chi.grid.index({30, 32})], 1.0);
+    EXPECT_EQ(chi.values[chi.grid.index({50, 32})], 0.0);
+    EXPECT_EQ(chi.values[chi.grid.index({64, 0})], 0.0);
+    EXPECT_NEAR(chi.values[chi.grid.index({40, 32})], 0.5, 0.2);
+    EXPECT_NE(shape.digest, open);
+    save(folder / "q.mask.png", mask(cv::Rect(0, 0, 32, 64)));
+    EXPECT_THROW(read(file), ReadError);
+}
+
+TEST(ImageReader, PngIsWrittenAsItIsRead) {
+    const tests::TemporaryFolder folder;
+    for (const int channels : {1, 3, 4}) {
+        PixelImage image{3, 2, channels, 255.0, {}};
+        for (int i = 0; i < 6 * channels; ++i) image.values.push_back(static_cast<std::uint16_t>(10 * i));
+        write_png(folder / "a.png", image);
+        std::vector<std::string> notes;
+        EXPECT_EQ(read_pixels(folder / "a.png", 1.0, notes).values, image.values) << channels;
+    }
+    EXPECT_THROW(write_png(folder / "gone/a.png", PixelImage{1, 1, 1, 255.0, {0}}), WriteError);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets
