@@ -32,7 +32,9 @@ Contingency contingency(std::span<const std::size_t> a, std::span<const std::siz
     return t;
 }
 
-double pairs(double n) { return 0.5 * n * (n - 1.0); }
+double pairs(double n) {
+    return 0.5 * n * (n - 1.0);
+}
 
 double adjusted_rand(const Contingency& t) {
     if (t.total == 0.0) return std::numeric_limits<double>::quiet_NaN();
@@ -67,9 +69,10 @@ double expected_information(const Contingency& t) {
             if (a == 0.0 || b == 0.0) continue;
             double part = 0.0;
             for (double k = std::max(1.0, a + b - n); k <= std::min(a, b); k += 1.0) {
-                const double log_probability = log_factorial(a) + log_factorial(b) + log_factorial(n - a) + log_factorial(n - b) -
-                                               log_factorial(n) - log_factorial(k) - log_factorial(a - k) -
-                                               log_factorial(b - k) - log_factorial(n - a - b + k);
+                const double log_probability = log_factorial(a) + log_factorial(b) + log_factorial(n - a) +
+                                               log_factorial(n - b) - log_factorial(n) - log_factorial(k) -
+                                               log_factorial(a - k) - log_factorial(b - k) -
+                                               log_factorial(n - a - b + k);
                 part += k / n * std::log(n * k / (a * b)) * std::exp(log_probability);
             }
             sum += times_a * times_b * part;
@@ -114,7 +117,8 @@ Agreement agreement(std::span<const std::size_t> a, std::span<const std::size_t>
 }
 
 Agreement agreement(std::span<const std::size_t> clusters, std::span<const std::string> classes) {
-    if (clusters.size() != classes.size()) throw std::invalid_argument("the partitions have different numbers of items");
+    if (clusters.size() != classes.size())
+        throw std::invalid_argument("the partitions have different numbers of items");
     std::map<std::string, std::size_t> number;
     std::vector<std::size_t> a, b;
     for (std::size_t i = 0; i < classes.size(); ++i) {

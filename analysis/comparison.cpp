@@ -21,7 +21,8 @@ double sort_counting(std::vector<double>& values) {
     double inversions = 0.0;
     for (std::size_t width = 1; width < values.size(); width *= 2) {
         for (std::size_t begin = 0; begin < values.size(); begin += 2 * width) {
-            const std::size_t middle = std::min(begin + width, values.size()), end = std::min(begin + 2 * width, values.size());
+            const std::size_t middle = std::min(begin + width, values.size()),
+                              end = std::min(begin + 2 * width, values.size());
             std::size_t a = begin, b = middle;
             for (std::size_t to = begin; to < end; ++to) {
                 if (b == end || (a < middle && values[a] <= values[b])) {
@@ -115,7 +116,8 @@ MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there
     if (std::isnan(result.spearman)) {
         result.mantel_p = missing;
     } else {
-        // Ranks as centred square tables, 0 where one side is missing: a permutation moves rows and columns of one of them.
+        // Ranks as centred square tables, 0 where one side is missing: a permutation moves rows and columns of one of
+        // them.
         const auto table = [&](const std::vector<double>& rank) {
             const double centre = 0.5 * (static_cast<double>(result.pairs) + 1.0);
             std::vector<double> square(n * n, 0.0);
@@ -153,14 +155,14 @@ MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there
     result.neighbours = neighbours;
     double sum = 0.0, counted = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-        const std::vector<Neighbour> near_a = nearest_neighbours(a, i, neighbours), near_b = nearest_neighbours(b, i, neighbours);
+        const std::vector<Neighbour> near_a = nearest_neighbours(a, i, neighbours),
+                                     near_b = nearest_neighbours(b, i, neighbours);
         if (near_a.empty() && near_b.empty()) continue;
         std::set<std::size_t> in_a;
         for (const Neighbour& m : near_a) in_a.insert(m.item);
         const auto shared = static_cast<double>(
             std::count_if(near_b.begin(), near_b.end(), [&](const Neighbour& m) { return in_a.contains(m.item); }));
-        const double wanted = static_cast<double>(
-            std::min({neighbours, std::max(near_a.size(), near_b.size())}));
+        const double wanted = static_cast<double>(std::min({neighbours, std::max(near_a.size(), near_b.size())}));
         const double overlap = std::min(1.0, shared / wanted);
         sum += overlap;
         counted += 1.0;

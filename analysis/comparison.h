@@ -19,14 +19,14 @@ struct MovedNeighbours {
 
 /// Two matrices over the labels that both have.
 struct MatrixComparison {
-    std::vector<std::string> labels;               ///< in both, in the order of the first
+    std::vector<std::string> labels;  ///< in both, in the order of the first
     std::vector<std::string> only_here, only_there;
-    std::size_t pairs = 0;                         ///< known in both
+    std::size_t pairs = 0;                                ///< known in both
     double pearson = 0.0, spearman = 0.0, kendall = 0.0;  ///< over those pairs (tau-b); NaN if a side is constant
-    double scale = 0.0;             ///< least squares factor: there = scale * here
-    double mantel_p = 1.0;          ///< one-sided: permutations of the items with at least this Spearman correlation
+    double scale = 0.0;                                   ///< least squares factor: there = scale * here
+    double mantel_p = 1.0;  ///< one-sided: permutations of the items with at least this Spearman correlation
     std::size_t permutations = 0;
-    std::size_t neighbours = 0;     ///< k of the overlaps
+    std::size_t neighbours = 0;  ///< k of the overlaps
     double mean_overlap = 0.0;
     std::vector<MovedNeighbours> moved;  ///< items whose k nearest differ, least overlap first
 };

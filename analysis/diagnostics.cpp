@@ -35,10 +35,11 @@ bool worse(const LongSide& a, const LongSide& b) {
 TriangleReport triangle_violations(const DistanceMatrix& distances, std::size_t worst_shown) {
     const std::size_t n = distances.size();
     TriangleReport result;
-    // Missing distances are infinitely long detours and never long sides. The entries k = i and k = j of a row pair sum up
-    // to the long side itself and are not below it.
+    // Missing distances are infinitely long detours and never long sides. The entries k = i and k = j of a row pair sum
+    // up to the long side itself and are not below it.
     std::vector<double> plain = distances.dense(), upper;
-    std::replace_if(plain.begin(), plain.end(), [](double d) { return std::isnan(d); }, infinity);
+    std::replace_if(
+        plain.begin(), plain.end(), [](double d) { return std::isnan(d); }, infinity);
     if (distances.has_errors()) {
         upper = plain;
         for (std::size_t i = 0; i < n; ++i) {
@@ -92,9 +93,9 @@ TriangleReport triangle_violations(const DistanceMatrix& distances, std::size_t 
                 via = k;
             }
         }
-        result.worst.push_back({side.i, via, side.j, side.excess,
-                                distances.error(side.i, side.j) + distances.error(side.i, via) +
-                                    distances.error(via, side.j)});
+        result.worst.push_back(
+            {side.i, via, side.j, side.excess,
+             distances.error(side.i, side.j) + distances.error(side.i, via) + distances.error(via, side.j)});
     }
     if (distances.missing_count() == 0) {
         result.triangles = n < 3 ? 0 : n * (n - 1) * (n - 2) / 6;
@@ -230,8 +231,8 @@ StabilityReport cluster_stability(const DistanceMatrix& distances, const Cluster
     result.mean_rand = sum / times;
     for (std::size_t c = 0; c < count; ++c) {
         const double pairs = 0.5 * members[c] * (members[c] - 1.0);
-        result.clusters.push_back({c, static_cast<std::size_t>(members[c]), pairs > 0.0 ? together[c] / pairs / times : 1.0,
-                                   jaccard[c] / times});
+        result.clusters.push_back({c, static_cast<std::size_t>(members[c]),
+                                   pairs > 0.0 ? together[c] / pairs / times : 1.0, jaccard[c] / times});
     }
     for (double& s : item) s /= times;
     result.item_stability = std::move(item);

@@ -18,9 +18,9 @@ struct TriangleViolation {
 };
 
 struct TriangleReport {
-    std::size_t triangles = 0;     ///< with three known distances; all of them are checked
-    std::size_t violated = 0;      ///< beyond rounding (1e-12 of the long side)
-    std::size_t beyond_error = 0;  ///< also beyond the sum of the three error bars (unknown bars count as 0)
+    std::size_t triangles = 0;             ///< with three known distances; all of them are checked
+    std::size_t violated = 0;              ///< beyond rounding (1e-12 of the long side)
+    std::size_t beyond_error = 0;          ///< also beyond the sum of the three error bars (unknown bars count as 0)
     std::vector<TriangleViolation> worst;  ///< by excess, at most one for each long side
 };
 /// Checks every triangle: O(n^3), in cache-sized blocks on all threads (2000 items: 1.3e9 triangles).
@@ -29,7 +29,7 @@ struct TriangleReport {
 /// Path lengths of one pair in both directions.
 struct DirectedPair {
     std::size_t first, second;
-    double forward, backward;  ///< first to second, second to first
+    double forward, backward;                          ///< first to second, second to first
     [[nodiscard]] double relative_difference() const;  ///< |forward - backward| / mean of both; 0 if both are 0
 };
 struct AsymmetryReport {
@@ -58,14 +58,14 @@ struct ClusterStability {
     double jaccard;        ///< mean over runs of the largest Jaccard index with a cluster of the run (Hennig 2007)
 };
 struct StabilityReport {
-    std::size_t runs = 0;         ///< 0: there are no error bars, nothing was done
-    double mean_rand = 0.0;       ///< adjusted Rand index between run and study: mean ...
-    double lowest_rand = 0.0;     ///< ... and the lowest
+    std::size_t runs = 0;      ///< 0: there are no error bars, nothing was done
+    double mean_rand = 0.0;    ///< adjusted Rand index between run and study: mean ...
+    double lowest_rand = 0.0;  ///< ... and the lowest
     std::vector<ClusterStability> clusters;
     std::vector<double> item_stability;  ///< [n] how often an item stays with the other members of its cluster
 };
-/// Each run draws every distance uniformly from its error bar (not below 0; without bar it stays), clusters anew and cuts
-/// into as many clusters as `clusters` has. Deterministic for a seed, on any number of threads.
+/// Each run draws every distance uniformly from its error bar (not below 0; without bar it stays), clusters anew and
+/// cuts into as many clusters as `clusters` has. Deterministic for a seed, on any number of threads.
 [[nodiscard]] StabilityReport cluster_stability(const DistanceMatrix& distances, const Clustering& clusters,
                                                 LinkageMethod method, std::size_t runs, std::uint64_t seed);
 

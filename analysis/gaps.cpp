@@ -96,7 +96,8 @@ GapTreatment fill_gaps(const DistanceMatrix& distances) {
     std::vector<std::pair<std::size_t, std::size_t>> gaps;
     if (d.missing_count() > 0) {
         std::vector<double> paths = d.dense();
-        std::replace_if(paths.begin(), paths.end(), [](double x) { return std::isnan(x); }, infinity);
+        std::replace_if(
+            paths.begin(), paths.end(), [](double x) { return std::isnan(x); }, infinity);
         const std::vector<double> edges = paths;
         shortest_paths(paths, n);
         for (std::size_t i = 0; i < n; ++i) {

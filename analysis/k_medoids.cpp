@@ -13,7 +13,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Assignment {
-    std::vector<std::size_t> nearest;    // index into the medoids
+    std::vector<std::size_t> nearest;   // index into the medoids
     std::vector<double> first, second;  // distance to the nearest and second nearest medoid
 };
 
@@ -41,7 +41,8 @@ Assignment assign(const std::vector<double>& d, std::size_t n, const std::vector
 KMedoids k_medoids(const DistanceMatrix& distances, std::size_t k) {
     const std::size_t n = distances.size();
     if (k < 1 || k > n) throw std::invalid_argument("k-medoids: k must lie between 1 and the number of items");
-    if (distances.missing_count() > 0) throw std::invalid_argument("k-medoids needs all distances; fill the gaps first");
+    if (distances.missing_count() > 0)
+        throw std::invalid_argument("k-medoids needs all distances; fill the gaps first");
     const std::vector<double> d = distances.dense();
     KMedoids result;
     std::vector<std::size_t>& medoids = result.medoids;

@@ -15,8 +15,8 @@ struct KMedoids {
     std::size_t swaps = 0;             ///< improvements made after the greedy start
 };
 
-/// Partition around medoids: greedy start (BUILD), then the best swap of a medoid and another item as long as one lowers the
-/// cost, all k swaps of a candidate evaluated at once in O(n). A local optimum of the swap neighbourhood.
+/// Partition around medoids: greedy start (BUILD), then the best swap of a medoid and another item as long as one
+/// lowers the cost, all k swaps of a candidate evaluated at once in O(n). A local optimum of the swap neighbourhood.
 /// Source: Kaufman, Rousseeuw 1990; Schubert, Rousseeuw 2019 (FastPAM1).
 /// @param k 1 <= k <= n
 /// @throws std::invalid_argument if a distance is missing or k is out of range

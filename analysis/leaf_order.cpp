@@ -29,12 +29,16 @@ std::vector<Node> ranges(const Dendrogram& tree, const std::vector<std::size_t>&
     return nodes;
 }
 
-/// The dynamic programme. best(u, w): smallest length of an order of the cluster where u and w meet, with u and w at its
-/// ends; every pair of positions meets in exactly one cluster, so one table holds them all.
+/// The dynamic programme. best(u, w): smallest length of an order of the cluster where u and w meet, with u and w at
+/// its ends; every pair of positions meets in exactly one cluster, so one table holds them all.
 class OrderProgramme {
 public:
     OrderProgramme(const Dendrogram& tree, const DistanceMatrix& distances)
-        : n_(tree.leaf_count), order_(tree_order(tree)), nodes_(ranges(tree, order_)), d_(n_ * n_), best_(n_ * n_, 0.0) {
+        : n_(tree.leaf_count),
+          order_(tree_order(tree)),
+          nodes_(ranges(tree, order_)),
+          d_(n_ * n_),
+          best_(n_ * n_, 0.0) {
         for (std::size_t p = 0; p < n_; ++p) {
             for (std::size_t q = 0; q < n_; ++q) d_[p * n_ + q] = distances(order_[p], order_[q]);
         }
@@ -138,7 +142,8 @@ private:
     std::vector<double> d_, best_;  // by position in tree order, [n x n]
 };
 
-/// Keeps the children as they are but turns each so that the two ends that meet are near: O(n) merges, four choices each.
+/// Keeps the children as they are but turns each so that the two ends that meet are near: O(n) merges, four choices
+/// each.
 std::vector<std::size_t> greedy_order(const Dendrogram& tree, const DistanceMatrix& distances) {
     const std::size_t n = tree.leaf_count;
     std::vector<std::vector<std::size_t>> part(n + tree.merges.size());
@@ -171,7 +176,8 @@ double order_length(std::span<const std::size_t> order, const DistanceMatrix& di
 
 LeafOrder optimal_leaf_order(const Dendrogram& tree, const DistanceMatrix& distances, std::size_t limit) {
     if (tree.leaf_count != distances.size()) throw std::invalid_argument("the tree belongs to another matrix");
-    if (distances.missing_count() > 0) throw std::invalid_argument("leaf order needs all distances; fill the gaps first");
+    if (distances.missing_count() > 0)
+        throw std::invalid_argument("leaf order needs all distances; fill the gaps first");
     LeafOrder result;
     if (tree.leaf_count < 3) {
         result.order = tree_order(tree);

@@ -51,9 +51,8 @@ std::vector<Edge> minimum_spanning_tree(const DistanceMatrix& distances) {
                                          boost::weight_map(boost::get(&Length::length, graph)));
     std::vector<Edge> edges;
     for (const auto& e : tree) edges.push_back({boost::source(e, graph), boost::target(e, graph), graph[e].length});
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-        return a.length != b.length ? a.length < b.length : by_items(a, b);
-    });
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& a, const Edge& b) { return a.length != b.length ? a.length < b.length : by_items(a, b); });
     return edges;
 }
 
@@ -95,10 +94,10 @@ DistanceMatrix path_distances(std::vector<std::string> labels, std::span<const E
     std::vector<double> condensed(n < 2 ? 0 : n * (n - 1) / 2, missing);
     parallel_for_each_index(n, 8, [&](std::size_t i) {
         std::vector<double> reached(n);
-        boost::dijkstra_shortest_paths(
-            graph, i,
-            boost::distance_map(boost::make_iterator_property_map(reached.begin(), boost::get(boost::vertex_index, graph)))
-                .weight_map(boost::get(&Length::length, graph)));
+        boost::dijkstra_shortest_paths(graph, i,
+                                       boost::distance_map(boost::make_iterator_property_map(
+                                                               reached.begin(), boost::get(boost::vertex_index, graph)))
+                                           .weight_map(boost::get(&Length::length, graph)));
         for (std::size_t j = i + 1; j < n; ++j) {  // the search from the smaller number decides the last bit
             if (reached[j] <= largest_distance) condensed[DistanceMatrix::condensed_index(n, i, j)] = reached[j];
         }

@@ -14,8 +14,8 @@ struct Edge {
     friend bool operator==(const Edge&, const Edge&) = default;
 };
 
-/// Minimum spanning tree over the known distances (Kruskal); a forest if they do not join all items. Edges by length, then
-/// by items. Missing distances are no edges.
+/// Minimum spanning tree over the known distances (Kruskal); a forest if they do not join all items. Edges by length,
+/// then by items. Missing distances are no edges.
 [[nodiscard]] std::vector<Edge> minimum_spanning_tree(const DistanceMatrix& distances);
 
 /// Edge between i and j if one is among the k nearest of the other; items as near as the k-th come along.

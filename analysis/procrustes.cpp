@@ -64,9 +64,11 @@ Placement place_query(const Embedding& embedding, std::span<const double> query_
     const RowMajor centred = points.rowwise() - centroid;
     const Eigen::VectorXd squares = centred.rowwise().squaredNorm();
     // Gower 1968: exact if the distances are Euclidean in these dimensions.
-    const Eigen::VectorXd b = 0.5 * (squares - d.cwiseAbs2() + Eigen::VectorXd::Constant(n, (d.cwiseAbs2() - squares).mean()));
+    const Eigen::VectorXd b =
+        0.5 * (squares - d.cwiseAbs2() + Eigen::VectorXd::Constant(n, (d.cwiseAbs2() - squares).mean()));
     const Eigen::RowVectorXd gower =
-        centroid + (centred.transpose() * centred).completeOrthogonalDecomposition().solve(centred.transpose() * b).transpose();
+        centroid +
+        (centred.transpose() * centred).completeOrthogonalDecomposition().solve(centred.transpose() * b).transpose();
     std::vector<Eigen::RowVectorXd> starts{gower, centroid};
     std::vector<Eigen::Index> by_distance(static_cast<std::size_t>(n));
     std::iota(by_distance.begin(), by_distance.end(), Eigen::Index{0});

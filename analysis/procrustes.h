@@ -7,9 +7,10 @@
 namespace morphodesic::analysis {
 
 struct Procrustes {
-    Embedding aligned;          ///< the moved embedding, turned, mirrored, moved (and scaled) onto the reference
-    double scale = 1.0;         ///< 1 unless scaling was allowed
-    double rms_distance = 0.0;  ///< root mean square distance of corresponding points afterwards, units of the reference
+    Embedding aligned;   ///< the moved embedding, turned, mirrored, moved (and scaled) onto the reference
+    double scale = 1.0;  ///< 1 unless scaling was allowed
+    double rms_distance =
+        0.0;  ///< root mean square distance of corresponding points afterwards, units of the reference
 };
 
 /// Best fit of `moved` onto `reference` in the sense of least squares by a rigid motion with reflection.
@@ -18,8 +19,9 @@ struct Procrustes {
 /// Source: Gower 1975; Kabsch's solution by singular values, determinant not restricted.
 [[nodiscard]] Procrustes procrustes(const Embedding& reference, const Embedding& moved, bool allow_scaling = false);
 
-/// Place of a query in a given embedding: the point x that minimises sum_j (|x - x_j| - d_j)^2 over the known d_j, found by
-/// majorisation from several starts (nearest items, centroid, Gower's formula for an added point); deterministic.
+/// Place of a query in a given embedding: the point x that minimises sum_j (|x - x_j| - d_j)^2 over the known d_j,
+/// found by majorisation from several starts (nearest items, centroid, Gower's formula for an added point);
+/// deterministic.
 struct Placement {
     std::vector<double> position;  ///< [dimensions]
     double stress = 0.0;           ///< sqrt(sum (|x - x_j| - d_j)^2 / sum d_j^2), 0 if all d_j are 0

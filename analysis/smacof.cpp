@@ -159,8 +159,8 @@ private:
         const auto distance = [&](const Pair& p) { return std::sqrt(squared_distance(x, p.i, p.j, dim)); };
         if (!options_.keep_ties) {
             for (const auto& [begin, end] : ties_) {
-                std::sort(order_.begin() + static_cast<std::ptrdiff_t>(begin), order_.begin() + static_cast<std::ptrdiff_t>(end),
-                          [&](const Pair& a, const Pair& b) {
+                std::sort(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          order_.begin() + static_cast<std::ptrdiff_t>(end), [&](const Pair& a, const Pair& b) {
                               const double u = distance(a), v = distance(b);
                               return u != v ? u < v : std::pair(a.i, a.j) < std::pair(b.i, b.j);
                           });
@@ -169,7 +169,8 @@ private:
         constexpr std::size_t chunk = 4096;
         const std::size_t chunks = (pairs + chunk - 1) / chunk;
         parallel_for_each_index(chunks, 1, [&](std::size_t c) {
-            for (std::size_t k = c * chunk; k < std::min(pairs, (c + 1) * chunk); ++k) ordered_[k] = distance(order_[k]);
+            for (std::size_t k = c * chunk; k < std::min(pairs, (c + 1) * chunk); ++k)
+                ordered_[k] = distance(order_[k]);
         });
         std::vector<double> regression;
         if (options_.keep_ties && !ties_.empty()) {
@@ -234,10 +235,10 @@ private:
 
     std::size_t n_;
     SmacofOptions options_;
-    std::vector<double> given_, fitted_;  // [n x n]
-    double given_squares_ = 0.0;          // over pairs i < j
-    double misfit_ = 0.0, squares_ = 0.0;  // over ordered pairs
-    std::vector<Pair> order_;             // pairs by given distance
+    std::vector<double> given_, fitted_;                     // [n x n]
+    double given_squares_ = 0.0;                             // over pairs i < j
+    double misfit_ = 0.0, squares_ = 0.0;                    // over ordered pairs
+    std::vector<Pair> order_;                                // pairs by given distance
     std::vector<std::pair<std::size_t, std::size_t>> ties_;  // ranges of equal given distances in order_
     std::vector<double> ordered_, next_, row_misfit_, row_squares_;
 };
@@ -258,7 +259,8 @@ Smacof smacof(const DistanceMatrix& distances, const SmacofOptions& options) {
                                                         [](double s, double d) { return s + d * d; }) /
                                         static_cast<double>(distances.pair_count()));
     const std::size_t selection =
-        options.starts == 1 ? 0 : std::min(options.max_iterations, std::max<std::size_t>(5, options.max_iterations / 10));
+        options.starts == 1 ? 0
+                            : std::min(options.max_iterations, std::max<std::size_t>(5, options.max_iterations / 10));
     for (std::size_t s = 0; s < options.starts; ++s) {
         if (s == 0) {
             states[s].x = classical_mds(distances, options.dimensions).embedding.coordinates;
@@ -277,7 +279,8 @@ Smacof smacof(const DistanceMatrix& distances, const SmacofOptions& options) {
     std::vector<Embedding> pictures;
     for (const auto& state : states) pictures.push_back({options.dimensions, state.x});
     for (std::size_t s = 0; s < states.size(); ++s) {
-        result.runs.push_back({states[s].stress, procrustes(pictures[best], pictures[s], !options.metric).rms_distance});
+        result.runs.push_back(
+            {states[s].stress, procrustes(pictures[best], pictures[s], !options.metric).rms_distance});
     }
     majorization.run(states[best], options.max_iterations - std::min(options.max_iterations, states[best].iterations));
     majorization.report(states[best].x, result);
@@ -314,7 +317,8 @@ std::vector<double> isotonic_regression(std::span<const double> y, std::span<con
 }
 
 std::vector<ShepardPoint> shepard_points(const DistanceMatrix& distances, const Embedding& embedding,
-                                         std::span<const double> disparities, std::size_t max_points, std::uint64_t seed) {
+                                         std::span<const double> disparities, std::size_t max_points,
+                                         std::uint64_t seed) {
     const std::vector<double> embedded = embedded_distances(embedding);
     if (embedded.size() != distances.pair_count() || disparities.size() != embedded.size()) {
         throw std::invalid_argument("the embedding belongs to another matrix");

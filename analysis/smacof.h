@@ -13,21 +13,21 @@ namespace morphodesic::analysis {
 struct SmacofOptions {
     std::size_t dimensions = 2;  ///< >= 1
     bool metric = true;          ///< false: only the order of the distances counts (monotone regression)
-    bool keep_ties = false;      ///< non-metric: equal distances keep equal disparities (secondary approach), else they may
-                                 ///< come apart (primary approach)
-    std::size_t starts = 4;      ///< >= 1; the first is classical scaling, the others are random
+    bool keep_ties = false;  ///< non-metric: equal distances keep equal disparities (secondary approach), else they may
+                             ///< come apart (primary approach)
+    std::size_t starts = 4;  ///< >= 1; the first is classical scaling, the others are random
     std::size_t max_iterations = 300;  ///< for the start that is refined; the others get a tenth for the selection
     double tolerance = 1e-6;           ///< stop when an iteration lowers the stress by less than this share, > 0
     std::uint64_t seed = 1;
 };
 
 struct SmacofRun {
-    double stress = 0.0;             ///< stress-1 after the selection
+    double stress = 0.0;            ///< stress-1 after the selection
     double distance_to_best = 0.0;  ///< root mean square distance to the best run after Procrustes alignment
 };
 
-/// Result of scaling by majorisation. Disparities are the distances themselves (metric) or the monotone regression of the
-/// embedded distances on the order of the given ones, brought to their size (root mean square).
+/// Result of scaling by majorisation. Disparities are the distances themselves (metric) or the monotone regression of
+/// the embedded distances on the order of the given ones, brought to their size (root mean square).
 struct Smacof {
     Embedding embedding;                  ///< centred, on principal axes, signs fixed
     double stress = 0.0;                  ///< stress-1 = sqrt(sum (d - disparity)^2 / sum d^2) (Kruskal), 0 .. 1
