@@ -2,30 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <set>
 #include <stdexcept>
 
+#include "datasets/collection_folder.h"
 #include "datasets/content_digest.h"
 #include "datasets/csv_rows.h"
-#include "datasets/image_pixels.h"
-#include "datasets/normalize.h"
 #include "datasets/outline_geometry.h"
-#include "datasets/read_error.h"
 
 namespace morphodesic::datasets {
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream out(file, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) throw WriteError(file);
-}
 
 std::string parameter_table(const std::vector<Drawing>& drawings) {
     std::string table = "file,label";
@@ -128,33 +118,19 @@ Shape<2> shape_of(const Drawing& drawing, int level, bool centred) {
 
 void write_collection(const std::filesystem::path& folder, const std::vector<Drawing>& drawings, int side) {
     if (drawings.empty()) throw std::invalid_argument("a collection needs at least one shape");
-    namespace fs = std::filesystem;
     std::set<std::string> names;
     for (const Drawing& drawing : drawings) {
         if (!names.insert(drawing.name + ".png").second)
             throw std::invalid_argument("two shapes are called " + drawing.name);
     }
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder)) throw WriteError(folder);
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (entry.is_regular_file(error) && shape_dimension(entry.path()) != 0 && !names.contains(name)) {
-            throw ReadError(folder, "the folder holds another shape (" + name + ")", "name a new or an empty folder");
-        }
-    }
+    prepare_collection_folder(folder, names);
     std::string labels = "file,label\n";
     for (const Drawing& drawing : drawings) {
-        const Coverage coverage = rasterize(drawing, side);
-        PixelImage image{side, side, 1, 255.0, std::vector<std::uint16_t>(coverage.values.size())};
-        for (std::size_t p = 0; p < coverage.values.size(); ++p) {
-            image.values[p] = static_cast<std::uint16_t>(std::lround(255.0 * (1.0 - coverage.values[p])));
-        }
-        write_png(folder / (drawing.name + ".png"), image);
+        write_coverage(folder / (drawing.name + ".png"), rasterize(drawing, side), true);
         labels += csv_field(drawing.name + ".png") + "," + csv_field(drawing.label) + "\n";
     }
-    write_text(folder / "labels.csv", labels);
-    write_text(folder / "parameters.csv", parameter_table(drawings));
+    write_text_file(folder / "labels.csv", labels);
+    write_text_file(folder / "parameters.csv", parameter_table(drawings));
 }
 
 }  // namespace morphodesic::datasets

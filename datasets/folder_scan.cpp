@@ -155,23 +155,7 @@ private:
 
     void labels_from_csv() {
         const fs::path file = top_ / label_file;
-        std::map<std::string, std::string> label_of;
-        bool first = true;
-        for (const CsvRow& row : read_csv(file)) {
-            const bool header = first && row.fields.size() >= 2 && row.fields[0] == "file" && row.fields[1] == "label";
-            first = false;
-            if (header || (row.fields.size() == 1 && row.fields[0].empty())) continue;
-            if (row.fields.size() < 2) {
-                throw ReadError(file, "line " + std::to_string(row.line) + " has no label",
-                                "write two columns: file,label");
-            }
-            std::string name = fs::path(row.fields[0]).lexically_normal().generic_string();
-            const auto [it, fresh] = label_of.emplace(name, row.fields[1]);
-            if (!fresh && it->second != row.fields[1]) {
-                throw ReadError(file, "line " + std::to_string(row.line) + " gives " + name + " a second label",
-                                "keep one line per file");
-            }
-        }
+        std::map<std::string, std::string> label_of = read_labels(file);
         std::size_t unlabelled = 0;
         for (ShapeSource& source : result_.sources) {
             const auto found = label_of.find(source.name);
@@ -206,6 +190,27 @@ std::vector<std::string> ScanOptions::problems() const {
         if (labels == known) return {};
     }
     return {"labels must be auto, csv, folder, name or none, not \"" + labels + "\""};
+}
+
+std::map<std::string, std::string> read_labels(const fs::path& file) {
+    std::map<std::string, std::string> label_of;
+    bool first = true;
+    for (const CsvRow& row : read_csv(file)) {
+        const bool header = first && row.fields.size() >= 2 && row.fields[0] == "file" && row.fields[1] == "label";
+        first = false;
+        if (header || (row.fields.size() == 1 && row.fields[0].empty())) continue;
+        if (row.fields.size() < 2) {
+            throw ReadError(file, "line " + std::to_string(row.line) + " has no label",
+                            "write two columns: file,label");
+        }
+        std::string name = fs::path(row.fields[0]).lexically_normal().generic_string();
+        const auto [it, fresh] = label_of.emplace(name, row.fields[1]);
+        if (!fresh && it->second != row.fields[1]) {
+            throw ReadError(file, "line " + std::to_string(row.line) + " gives " + name + " a second label",
+                            "keep one line per file");
+        }
+    }
+    return label_of;
 }
 
 ScanResult scan_folder(const fs::path& folder, const ScanOptions& options) {

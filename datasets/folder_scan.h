@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,9 @@ struct ScanResult {
 /// @throws ReadError if the folder or its labels.csv cannot be read
 /// @throws std::invalid_argument if the options have problems
 ScanResult scan_folder(const std::filesystem::path& folder, const ScanOptions& options = {});
+
+/// A table of two columns, file and label (labels.csv, truth.csv), with or without a heading; more columns are ignored.
+/// @throws ReadError if it cannot be read, if a row has no label or if a file is given two
+std::map<std::string, std::string> read_labels(const std::filesystem::path& file);
 
 }  // namespace morphodesic::datasets

@@ -1,0 +1,119 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/import.h"
+#include "datasets/occlude.h"
+#include "datasets/synthetic.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+Coverage man() {
+    CollectionOptions options;
+    options.count = 1;
+    return rasterize(matchstick(options)[0], 128);
+}
+
+double area(const Coverage& coverage) {
+    double sum = 0.0;
+    for (const float v : coverage.values) sum += v;
+    return sum;
+}
+
+TEST(Occlude, EveryKindHidesTheWantedShare) {
+    const Coverage object = man();
+    for (const char* kind : {"half-plane", "disk", "stripe", "limb"}) {
+        for (const double fraction : {0.1, 0.4}) {
+            for (const std::uint64_t seed : {1U, 2U, 3U}) {
+                OcclusionOptions options;
+                options.kind = kind;
+                options.fraction = fraction;
+                const OccludedPicture picture = occlude(object, options, seed);
+                EXPECT_NEAR(picture.hidden_share, fraction, 0.03) << kind;
+                EXPECT_NEAR(area(picture.visible), (1.0 - picture.hidden_share) * area(object), 1e-3);
+                // Outside the mask the picture is the object's, inside it shows nothing.
+                for (std::size_t p = 0; p < object.values.size(); ++p) {
+                    EXPECT_EQ(picture.visible.values[p], picture.hidden.values[p] > 0 ? 0.0F : object.values[p]);
+                }
+                EXPECT_GT(area(picture.hidden),
+                          1.2 * picture.hidden_share * area(object));  // background is hidden as well
+            }
+        }
+    }
+}
+
+TEST(Occlude, AHalfPlaneIsAHalfPlane) {
+    const OccludedPicture picture = occlude(man(), {}, 5);
+    // Hidden and open pixels can be told apart by a line: the centres of mass give its direction.
+    double hx = 0, hy = 0, ox = 0, oy = 0, hn = 0, on = 0;
+    const auto each = [&](auto&& visit) {
+        for (int y = 0; y < 128; ++y) {
+            for (int x = 0; x < 128; ++x) visit(x, y, picture.hidden.at(x, y) > 0);
+        }
+    };
+    each([&](int x, int y, bool h) { (h ? hx : ox) += x, (h ? hy : oy) += y, (h ? hn : on) += 1; });
+    ASSERT_GT(hn, 0);
+    ASSERT_GT(on, 0);
+    int changes = 0;  // along every row the mask changes at most once
+    for (int y = 0; y < 128; ++y) {
+        int in_row = 0;
+        for (int x = 1; x < 128; ++x) in_row += picture.hidden.at(x, y) != picture.hidden.at(x - 1, y) ? 1 : 0;
+        changes = std::max(changes, in_row);
+    }
+    EXPECT_LE(changes, 1);
+}
+
+TEST(Occlude, OnlyTheLargestPartIsLeftIfAskedFor) {
+    Drawing two;
+    two.polygons = {disk_polygon({0.3, 0.5}, 0.15), disk_polygon({0.7, 0.5}, 0.1)};
+    OcclusionOptions options;
+    options.fraction = 0.05;
+    options.largest_part = true;
+    const OccludedPicture picture = occlude(rasterize(two, 128), options, 1);
+    for (int y = 0; y < 128; ++y) {
+        for (int x = 70; x < 128; ++x) EXPECT_EQ(picture.visible.at(x, y), 0.0F);
+    }
+    EXPECT_EQ(picture.hidden.at(90, 64), 1.0F);
+    EXPECT_GT(area(picture.visible), 0.5 * 3.14 * 19 * 19);
+}
+
+TEST(Occlude, QueriesComeWithMasksAndTheTruth) {
+    const tests::TemporaryFolder folder;
+    CollectionOptions collection;
+    collection.count = 4;
+    write_collection(folder / "in", dumbbells(collection), 96);
+    folder.write("in/broken.png", "no image");
+    const ScanResult scan = scan_folder(folder / "in");
+    OcclusionOptions options;
+    options.per_shape = 2;
+    const OcclusionSummary summary = write_occluded(scan.sources, folder / "out", options);
+    EXPECT_EQ(summary.queries, 8);
+    ASSERT_THAT(summary.problems, SizeIs(1));
+    EXPECT_THAT(summary.problems[0].message(), HasSubstr("broken.png"));
+
+    const ScanResult queries = scan_folder(folder / "out");
+    ASSERT_EQ(queries.sources.size(), 8U);
+    const auto truth = read_labels(folder / "out/truth.csv");
+    EXPECT_EQ(truth.size(), 8U);
+    for (const ShapeSource& query : queries.sources) {
+        EXPECT_FALSE(query.mask_path.empty());
+        EXPECT_TRUE(truth.contains(query.name));
+        const Shape<2> shape = import_shape<2>(query, {}, {});
+        EXPECT_FALSE(shape.occlusion_mask.values.empty());
+    }
+    EXPECT_EQ(truth.at("dumbbell-01.1.png"), "even");
+    // The same file and seed give the same cut, whatever else is in the folder.
+    const tests::TemporaryFolder again;
+    write_occluded({scan.sources[1]}, again.path(), options);
+    const std::string name = scan.sources[1].name.substr(0, 11) + ".2.mask.png";
+    EXPECT_EQ(tests::file_content(again / name), tests::file_content(folder / "out" / name));
+    options.kind = "corner";
+    EXPECT_THROW(write_occluded(scan.sources, folder / "out", options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets
