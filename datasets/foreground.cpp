@@ -121,8 +121,9 @@ std::array<float, 3> border_colour(const std::vector<std::array<float, 3>>& bord
 
 class ForegroundFinder {
 public:
-    ForegroundFinder(const PixelImage& image, const std::filesystem::path& file, std::vector<std::string>& notes)
-        : image_(image), file_(file), notes_(notes) {
+    ForegroundFinder(const PixelImage& image, const Coverage& hidden, const std::filesystem::path& file,
+                     std::vector<std::string>& notes)
+        : image_(image), hidden_(hidden), file_(file), notes_(notes) {
         result_.width = image.width;
         result_.height = image.height;
         result_.values.resize(image.pixel_count());
@@ -140,6 +141,9 @@ public:
         } else {
             from_brightness(foreground == "dark");
         }
+        for (std::size_t p = 0; p < hidden_.values.size(); ++p) {
+            if (hidden_.values[p] > 0.5F) result_.values[p] = 0.0F;
+        }
         const auto inside =
             std::count_if(result_.values.begin(), result_.values.end(), [](float v) { return v >= 0.5F; });
         if (inside == 0) throw ReadError(file_, "the image is empty, no pixel belongs to a shape", try_foreground);
@@ -150,12 +154,23 @@ public:
     }
 
 private:
+    /// Pixels along the border that are not hidden; all of them if all are.
+    [[nodiscard]] std::vector<std::size_t> seen_border() const {
+        std::vector<std::size_t> all = border_pixels(image_);
+        if (hidden_.values.empty()) return all;
+        std::vector<std::size_t> seen;
+        for (const std::size_t p : all) {
+            if (hidden_.values[p] <= 0.5F) seen.push_back(p);
+        }
+        return seen.empty() ? all : seen;
+    }
+
     bool border_is_transparent() {
         if (!image_.has_alpha()) return false;
         const auto transparent = [&](std::size_t p) {
             return image_.at(p)[image_.channels - 1] < 0.5 * image_.max_value;
         };
-        const std::vector<std::size_t> border = border_pixels(image_);
+        const std::vector<std::size_t> border = seen_border();
         return 2 * std::count_if(border.begin(), border.end(), transparent) >
                static_cast<std::ptrdiff_t>(border.size());
     }
@@ -168,7 +183,7 @@ private:
 
     void from_border_colour() {
         std::vector<std::array<float, 3>> border;
-        for (const std::size_t p : border_pixels(image_)) border.push_back(colour_over(image_, p, 1.0F));
+        for (const std::size_t p : seen_border()) border.push_back(colour_over(image_, p, 1.0F));
         const std::array<float, 3> background = border_colour(border);
         for (std::size_t p = 0; p < result_.values.size(); ++p) {
             const std::array<float, 3> c = colour_over(image_, p, 1.0F);
@@ -179,7 +194,7 @@ private:
         const Split split = checked_split();
         finish(0.0, split.share_near_high > 0.8 ? split.high : 2.0 * split.threshold);
         double object = 0.0;
-        const std::vector<std::size_t> ring = border_pixels(image_);
+        const std::vector<std::size_t> ring = seen_border();
         for (const std::size_t p : ring) object += result_.values[p] >= 0.5F ? 1.0 : 0.0;
         if (object > 0.4 * double(ring.size())) {
             char text[160];
@@ -203,12 +218,17 @@ private:
 
     /// Label images hold 0 and 1 of 255 and look black: few values need no contrast, many do.
     Split checked_split() {
+        std::vector<float> seen;
+        for (std::size_t p = 0; p < hidden_.values.size(); ++p) {
+            if (hidden_.values[p] <= 0.5F) seen.push_back(result_.values[p]);
+        }
+        const std::vector<float>& values = seen.empty() ? result_.values : seen;
         std::vector<float> sample;
-        for (const float v : result_.values) {
+        for (const float v : values) {
             if (std::find(sample.begin(), sample.end(), v) == sample.end()) sample.push_back(v);
             if (sample.size() > 4) break;
         }
-        const Split split = otsu(result_.values, sample.size() > 4 ? 0.02 : 1e-7);
+        const Split split = otsu(values, sample.size() > 4 ? 0.02 : 1e-7);
         if (!split.found) {
             throw ReadError(file_,
                             sample.size() <= 1 ? "the image has only one colour" : "the image has hardly any contrast",
@@ -230,6 +250,7 @@ private:
     }
 
     const PixelImage& image_;
+    const Coverage& hidden_;
     const std::filesystem::path& file_;
     std::vector<std::string>& notes_;
     Coverage result_;
@@ -237,9 +258,46 @@ private:
 
 }  // namespace
 
-Coverage object_coverage(const PixelImage& image, const std::string& foreground, const std::filesystem::path& file,
-                         std::vector<std::string>& notes) {
-    return ForegroundFinder(image, file, notes).find(foreground);
+Coverage object_coverage(const PixelImage& image, const std::string& foreground, const Coverage& hidden,
+                         const std::filesystem::path& file, std::vector<std::string>& notes) {
+    return ForegroundFinder(image, hidden, file, notes).find(foreground);
+}
+
+Coverage occluder_pixels(const PixelImage& image, const std::string& occluder) {
+    std::array<float, 3> colour{};
+    if (occluder != "alpha") {
+        for (std::size_t k = 0; k < 3; ++k)
+            colour[k] = static_cast<float>(std::stoi(occluder.substr(1 + 2 * k, 2), nullptr, 16)) / 255.0F;
+    }
+    std::vector<bool> found(image.pixel_count());
+    for (std::size_t p = 0; p < found.size(); ++p) {
+        if (occluder == "alpha") {
+            found[p] = image.has_alpha() && image.at(p)[image.channels - 1] < 0.5 * image.max_value;
+            continue;
+        }
+        const std::array<float, 3> c = colour_over(image, p, 1.0F);
+        float squared = 0.0F;
+        for (std::size_t k = 0; k < 3; ++k) squared += (c[k] - colour[k]) * (c[k] - colour[k]);
+        found[p] = squared / 3.0F < 0.05F * 0.05F;
+    }
+    // A single pixel of this colour may be a mixture of object and background at an edge; occluders are wider.
+    const auto at = [&](int x, int y) {
+        return x >= 0 && y >= 0 && x < image.width && y < image.height &&
+               found[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)];
+    };
+    Coverage hidden{image.width, image.height, std::vector<float>(image.pixel_count(), 0.0F)};
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            if (!at(x, y) || !(at(x - 1, y) || at(x + 1, y)) || !(at(x, y - 1) || at(x, y + 1))) continue;
+            for (int b = std::max(0, y - 1); b <= std::min(image.height - 1, y + 1); ++b) {
+                for (int a = std::max(0, x - 1); a <= std::min(image.width - 1, x + 1); ++a) {
+                    hidden.values[static_cast<std::size_t>(b) * static_cast<std::size_t>(image.width) +
+                                  static_cast<std::size_t>(a)] = 1.0F;
+                }
+            }
+        }
+    }
+    return hidden;
 }
 
 }  // namespace morphodesic::datasets

@@ -14,26 +14,67 @@ namespace morphodesic::datasets {
 
 namespace {
 
-HiddenPixels read_hidden(const ShapeSource& source, const Coverage& object, const ImportOptions& options,
-                         std::vector<std::string>& notes) {
+PixelImage without_alpha(const PixelImage& image) {
+    PixelImage result{image.width, image.height, image.colours(), image.max_value, {}};
+    result.values.reserve(image.pixel_count() * static_cast<std::size_t>(result.channels));
+    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+        result.values.insert(result.values.end(), image.at(p), image.at(p) + result.channels);
+    }
+    return result;
+}
+
+/// The mask beside an image: white = hidden.
+Coverage read_mask(const ShapeSource& source, const PixelImage& image, const ImportOptions& options,
+                   std::vector<std::string>& notes) {
     const PixelImage mask = read_pixels(source.mask_path, options.max_megapixels, notes);
-    if (mask.width != object.width || mask.height != object.height) {
+    if (mask.width != image.width || mask.height != image.height) {
         char text[160];
         std::snprintf(text, sizeof text, "the mask has %d x %d pixels, its image %d x %d", mask.width, mask.height,
-                      object.width, object.height);
+                      image.width, image.height);
         throw ReadError(source.mask_path, text, "draw the mask on a copy of the image (white = hidden)");
     }
-    HiddenPixels hidden{mask.width, mask.height, std::vector<float>(mask.pixel_count())};
-    double brightest = 0.0;
+    Coverage hidden{mask.width, mask.height, std::vector<float>(mask.pixel_count())};
     for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
         double value = 0.0;
         for (int k = 0; k < mask.colours(); ++k) value += mask.at(p)[k] / (mask.colours() * mask.max_value);
         if (mask.has_alpha()) value *= mask.at(p)[mask.channels - 1] / mask.max_value;
         hidden.values[p] = static_cast<float>(value);
-        brightest = std::max(brightest, value);
     }
-    if (brightest == 0.0) notes.emplace_back("The mask is black everywhere: nothing is hidden.");
     return hidden;
+}
+
+/// What is known to be hidden within the image: by the mask beside it and by the occluder's colour.
+Coverage hidden_within(const ShapeSource& source, const PixelImage& image, const ImportOptions& options,
+                       std::vector<std::string>& notes) {
+    Coverage hidden;
+    if (!source.mask_path.empty()) hidden = read_mask(source, image, options, notes);
+    if (!options.occluder.empty()) {
+        const Coverage occluder = occluder_pixels(image, options.occluder);
+        if (hidden.values.empty()) hidden = {image.width, image.height, std::vector<float>(image.pixel_count(), 0.0F)};
+        for (std::size_t p = 0; p < hidden.values.size(); ++p)
+            hidden.values[p] = std::max(hidden.values[p], occluder.values[p]);
+    }
+    if (!hidden.values.empty() && *std::max_element(hidden.values.begin(), hidden.values.end()) <= 0.5F) {
+        notes.emplace_back("Nothing is hidden by the mask or the occluder's colour.");
+    }
+    return hidden;
+}
+
+/// Beyond the sides of the image that cut the object off the picture tells nothing.
+void hide_beyond_border(const Coverage& object, HiddenPixels& hidden, std::vector<std::string>& notes) {
+    for (int x = 0; x < object.width; ++x) {
+        hidden.top = hidden.top || object.at(x, 0) >= 0.5F;
+        hidden.bottom = hidden.bottom || object.at(x, object.height - 1) >= 0.5F;
+    }
+    for (int y = 0; y < object.height; ++y) {
+        hidden.left = hidden.left || object.at(0, y) >= 0.5F;
+        hidden.right = hidden.right || object.at(object.width - 1, y) >= 0.5F;
+    }
+    if (!hidden.left && !hidden.right && !hidden.bottom && !hidden.top) return;
+    notes.emplace_back("Cut off by the border: what is beyond it counts as hidden.");
+    if (hidden.pixels.values.empty()) {
+        hidden.pixels = {object.width, object.height, std::vector<float>(object.values.size(), 0.0F)};
+    }
 }
 
 }  // namespace
@@ -42,12 +83,16 @@ RawShape<2> read_shape_2d(const ShapeSource& source, const ImportOptions& option
     for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
     std::vector<std::string> notes;
     Coverage coverage;
+    HiddenPixels hidden;
     {
         const PixelImage image = read_pixels(source.path, options.max_megapixels, notes);
-        coverage = object_coverage(image, options.foreground, source.path, notes);
+        hidden.pixels = hidden_within(source, image, options, notes);
+        // Transparency cannot tell both the object and what hides it.
+        const bool by_colour = options.occluder == "alpha" && options.foreground == "auto";
+        coverage = object_coverage(by_colour ? without_alpha(image) : image, options.foreground, hidden.pixels,
+                                   source.path, notes);
     }
-    HiddenPixels hidden;
-    if (!source.mask_path.empty()) hidden = read_hidden(source, coverage, options, notes);
+    if (options.border == "hides") hide_beyond_border(coverage, hidden, notes);
 
     Outline outline = outline_of(coverage);
     const double whole = moments(outline).area;

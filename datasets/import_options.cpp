@@ -11,6 +11,12 @@ std::vector<std::string> ImportOptions::problems() const {
     }
     if (!(speck_fraction >= 0.0 && speck_fraction < 1.0)) result.push_back("speck-fraction must be in [0, 1)");
     if (!(max_megapixels > 0.0 && std::isfinite(max_megapixels))) result.push_back("max-megapixels must be positive");
+    if (!occluder.empty() && occluder != "alpha" &&
+        (occluder.size() != 7 || occluder[0] != '#' ||
+         occluder.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)) {
+        result.push_back("occluder must be alpha or a colour like #808080, not \"" + occluder + "\"");
+    }
+    if (border != "free" && border != "hides") result.push_back("border must be free or hides, not \"" + border + "\"");
     return result;
 }
 

@@ -11,12 +11,17 @@ struct ImportOptions {
     double speck_fraction =
         0.002;                     ///< components and holes below this share of the shape's area are removed, in [0, 1)
     double max_megapixels = 64.0;  ///< images with more pixels are refused before memory is asked for, > 0
+    std::string occluder;  ///< colour "#rrggbb" of what hides the object, or alpha: transparent is hidden; or empty
+    std::string border = "free";  ///< free | hides: what is beyond a border that cuts the shape off counts as hidden
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("foreground", self.foreground, "pixels that are the object: auto, dark, light or alpha");
         visit("speck-fraction", self.speck_fraction, "specks and pinholes below this share of the shape are removed");
         visit("max-megapixels", self.max_megapixels, "refuse images with more than this many million pixels");
+        visit("occluder", self.occluder, "colour #rrggbb of what hides the object, or alpha: transparent is hidden");
+        visit("border", self.border,
+              "hides: a shape that touches the border goes on unseen beyond it; free: it ends there");
     }
     /// Every violated constraint, in words; empty if the options are usable.
     [[nodiscard]] std::vector<std::string> problems() const;

@@ -154,11 +154,16 @@ LevelSet<2> OutlineGeometry::signed_distance(const DyadicGrid<2>& grid, const Pl
 }
 
 ScalarField<2> OutlineGeometry::occlusion_mask(const DyadicGrid<2>& grid, const Placement<2>& placement) const {
-    if (hidden_.values.empty()) return {};
+    const Coverage& pixels = hidden_.pixels;
+    if (pixels.values.empty()) return {};
     const auto pixel = [&](double x, double y) {
-        const int column = static_cast<int>(std::floor(std::clamp(x, 0.0, hidden_.width - 1.0)));
-        const int row = static_cast<int>(std::floor(std::clamp(hidden_.height - y, 0.0, hidden_.height - 1.0)));
-        return static_cast<double>(hidden_.at(column, row));
+        if ((hidden_.left && x < 0.0) || (hidden_.right && x > pixels.width) || (hidden_.bottom && y < 0.0) ||
+            (hidden_.top && y > pixels.height)) {
+            return 1.0;
+        }
+        const int column = static_cast<int>(std::floor(std::clamp(x, 0.0, pixels.width - 1.0)));
+        const int row = static_cast<int>(std::floor(std::clamp(pixels.height - y, 0.0, pixels.height - 1.0)));
+        return static_cast<double>(pixels.at(column, row));
     };
     constexpr int samples = 6;  // per axis and cell
     const double h = grid.spacing();

@@ -5,9 +5,12 @@
 
 namespace morphodesic::datasets {
 
-/// Where an image is hidden, [height x width] in [0,1], row 0 on top, 1 = hidden; continued beyond the image by its
-/// border. Same pixel units as the outline. Empty values: nothing is hidden.
-using HiddenPixels = Coverage;
+/// Where an image is hidden, in the pixel units of its outline. Empty pixels: nothing is hidden.
+struct HiddenPixels {
+    Coverage pixels;  ///< 1 = hidden; continued beyond the image by its border
+    /// All that lies beyond this side of the image is hidden as well.
+    bool left = false, right = false, bottom = false, top = false;
+};
 
 /// A plane object given by its outline; distances are exact.
 class OutlineGeometry final : public Geometry<2> {

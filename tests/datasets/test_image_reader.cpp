@@ -204,6 +204,55 @@ TEST(ImageReader, TheMaskBesideAnImageTellsWhereItIsHidden) {
     EXPECT_THROW(read(file), ReadError);
 }
 
+TEST(ImageReader, AnOccluderIsFoundByItsColour) {
+    const tests::TemporaryFolder folder;
+    cv::Mat grey = toned(disk_picture(64, 32, 32, 15), 255, 0), image;
+    grey(cv::Rect(40, 0, 24, 64)) = 128;  // a wall to the right; edges of the disk are grey as well
+    const auto file = save(folder / "a.png", grey);
+    ImportOptions options;
+    options.occluder = "#808080";
+    const Shape<2> shape = normalize(read(file, options), {"none", 0.0, 6});
+    const auto& chi = shape.occlusion_mask;
+    ASSERT_FALSE(chi.values.empty());
+    EXPECT_EQ(chi.values[chi.grid.index({30, 32})], 1.0);
+    EXPECT_EQ(chi.values[chi.grid.index({25, 45})], 1.0);
+    EXPECT_EQ(chi.values[chi.grid.index({45, 32})], 0.0);
+    EXPECT_GT(shape.level_set.values[chi.grid.index({30, 32})], 0.0);
+    EXPECT_LT(shape.level_set.values[chi.grid.index({45, 32})], 0.0);
+    EXPECT_LT(shape.level_set.values[chi.grid.index({60, 60})], 0.0);
+    // The same with transparency in place of the colour.
+    cv::Mat alpha(64, 64, CV_8U, cv::Scalar(255));
+    alpha(cv::Rect(40, 0, 24, 64)) = 0;
+    std::vector<cv::Mat> channels = {grey, grey, grey, alpha};
+    cv::merge(channels, image);
+    options.occluder = "alpha";
+    EXPECT_EQ(normalize(read(save(folder / "b.png", image), options), {"none", 0.0, 6}).digest, shape.digest);
+    options.occluder = "grey";
+    EXPECT_THROW(read(file, options), std::invalid_argument);
+    options.occluder = "#ff0000";
+    EXPECT_THAT(read(save(folder / "c.png", toned(disk_picture(64, 32, 32, 15), 255, 0)), options).notes,
+                Contains(HasSubstr("Nothing is hidden")));
+}
+
+TEST(ImageReader, ABorderThatCutsTheShapeOffCanHideWhatIsBeyond) {
+    const tests::TemporaryFolder folder;
+    const auto file = save(folder / "a.png", toned(disk_picture(64, 60, 32, 20), 255, 0));
+    EXPECT_TRUE(normalize(read(file), {}).occlusion_mask.values.empty());
+    ImportOptions options;
+    options.border = "hides";
+    NormalizeOptions centred;
+    centred.scale = 0.01;  // the cube reaches beyond the image on all sides
+    const RawShape<2> raw = read(file, options);
+    EXPECT_THAT(raw.notes, Contains(HasSubstr("Cut off")));
+    const auto chi = normalize(raw, centred).occlusion_mask;
+    ASSERT_FALSE(chi.values.empty());
+    EXPECT_EQ(chi.values[chi.grid.index({63, 32})], 0.0);  // beyond the right side
+    EXPECT_EQ(chi.values[chi.grid.index({1, 32})], 1.0);   // beyond the left side nothing is cut off
+    EXPECT_EQ(chi.values[chi.grid.index({32, 32})], 1.0);
+    EXPECT_TRUE(normalize(read(save(folder / "b.png", toned(disk_picture(64, 32, 32, 20), 255, 0)), options), {})
+                    .occlusion_mask.values.empty());
+}
+
 TEST(ImageReader, PngIsWrittenAsItIsRead) {
     const tests::TemporaryFolder folder;
     for (const int channels : {1, 3, 4}) {
