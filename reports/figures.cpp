@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -15,6 +16,12 @@ namespace {
 
 constexpr const char* ink = "#1b2430";
 constexpr const char* missing = "#9aa1ab";
+
+std::string fixed_number(double value) {
+    char buffer[40];
+    std::snprintf(buffer, sizeof buffer, value < 0.1 ? "%.4f" : "%.3f", value);
+    return buffer;
+}
 
 /// What the figures ask of a model.
 class Study {
@@ -141,7 +148,7 @@ void draw_matrix(Svg& svg, const Study& s, const std::vector<std::size_t>& order
             const double d = s.distance(order[r], order[c]), x = static_cast<double>(c) * cell;
             svg.rect(x, at, cell, cell, colours[r * s.n + c], colours[r * s.n + c]);
             if (numbers && std::isfinite(d)) {
-                svg.text(x + cell / 2, at + cell / 2, r == c ? "0" : short_number(d), std::min(13.0, cell / 3.6),
+                svg.text(x + cell / 2, at + cell / 2, r == c ? "0" : fixed_number(d), std::min(13.0, cell / 3.6),
                          "middle", d > 0.6 * top ? "#111111" : "#ffffff");
             }
         }
@@ -201,6 +208,22 @@ struct Layout {
     Scale across, up;
 };
 
+/// Scales that put the drawn places into a box with a margin; the same unit across and up.
+void fit(Layout& l, double width, double tallest, double margin) {
+    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
+    for (const auto i : l.drawn) {
+        low_x = std::min(low_x, l.x[i]), high_x = std::max(high_x, l.x[i]);
+        low_y = std::min(low_y, l.y[i]), high_y = std::max(high_y, l.y[i]);
+    }
+    const double wide = std::max(high_x - low_x, 1e-12), tall = std::max(high_y - low_y, 1e-12);
+    const double unit = std::min((width - 2 * margin) / wide, (tallest - 2 * margin) / tall);
+    l.width = width;
+    l.height = std::max(240.0, tall * unit + 2 * margin);
+    const double cx = (low_x + high_x) / 2, cy = (low_y + high_y) / 2;
+    l.across = {cx - width / 2 / unit, cx + width / 2 / unit, 0, width};
+    l.up = {cy - l.height / 2 / unit, cy + l.height / 2 / unit, l.height, 0};
+}
+
 /// Places of an embedding in a box; three dimensions are seen from the direction that the page starts with.
 Layout layout(const Embedding& e, std::size_t n, double width, double tallest, double margin) {
     Layout l;
@@ -218,19 +241,31 @@ Layout layout(const Embedding& e, std::size_t n, double width, double tallest, d
         }
     }
     std::stable_sort(l.drawn.begin(), l.drawn.end(), [&](auto i, auto j) { return l.depth[i] < l.depth[j]; });
-    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
-    for (const auto i : l.drawn) {
-        low_x = std::min(low_x, l.x[i]), high_x = std::max(high_x, l.x[i]);
-        low_y = std::min(low_y, l.y[i]), high_y = std::max(high_y, l.y[i]);
-    }
-    const double wide = std::max(high_x - low_x, 1e-12), tall = std::max(high_y - low_y, 1e-12);
-    const double unit = std::min((width - 2 * margin) / wide, (tallest - 2 * margin) / tall);
-    l.width = width;
-    l.height = std::max(240.0, tall * unit + 2 * margin);
-    const double cx = (low_x + high_x) / 2, cy = (low_y + high_y) / 2;
-    l.across = {cx - width / 2 / unit, cx + width / 2 / unit, 0, width};
-    l.up = {cy - l.height / 2 / unit, cy + l.height / 2 / unit, l.height, 0};
+    fit(l, width, tallest, margin);
     return l;
+}
+
+/// Moves shapes of a small graph apart until their pictures no longer overlap; the map is only a hint there.
+void push_apart(Layout& l, double least) {
+    const double unit_x = (l.across.to - l.across.from) / (l.across.high - l.across.low);
+    const double unit_y = (l.up.from - l.up.to) / (l.up.high - l.up.low);
+    for (int sweep = 0; sweep < 300; ++sweep) {
+        bool moved = false;
+        for (const auto i : l.drawn) {
+            for (const auto j : l.drawn) {
+                if (i >= j) continue;
+                double dx = (l.x[j] - l.x[i]) * unit_x, dy = (l.y[j] - l.y[i]) * unit_y;
+                const double r = std::hypot(dx, dy);
+                if (r >= least) continue;
+                if (r < 1e-6) dx = std::cos(static_cast<double>(j)), dy = std::sin(static_cast<double>(j));
+                const double push = 0.26 * (least - r) / std::max(r, 1e-6 + (r < 1e-6 ? 1.0 : 0.0));
+                l.x[i] -= push * dx / unit_x, l.x[j] += push * dx / unit_x;
+                l.y[i] -= push * dy / unit_y, l.y[j] += push * dy / unit_y;
+                moved = true;
+            }
+        }
+        if (!moved) break;
+    }
 }
 
 void draw_graph(Svg& svg, const Study& s, const Layout& l, const std::vector<Edge>& edges, double picture,
@@ -257,7 +292,7 @@ void draw_graph(Svg& svg, const Study& s, const Layout& l, const std::vector<Edg
     }
     for (const auto& e : edges) {
         if (labelled && visible(e))
-            svg.text((x(e.a) + x(e.b)) / 2, (y(e.a) + y(e.b)) / 2, short_number(e.length), 11, "middle", ink, true,
+            svg.text((x(e.a) + x(e.b)) / 2, (y(e.a) + y(e.b)) / 2, fixed_number(e.length), 11, "middle", ink, true,
                      "#ffffff");
     }
 }
@@ -290,7 +325,11 @@ const Embedding* flat(const ReportModel& m) {
 Figure graph(const Study& s, const Embedding& e) {
     const bool labelled = s.n <= 40;
     const double picture = picture_size(s.n);
-    const auto l = layout(e, s.n, 900, 760, picture + 24);
+    auto l = layout(e, s.n, 900, 760, picture + 24);
+    for (int round = 0; labelled && round < 4; ++round) {  // pushing needs room, making room moves closer
+        push_apart(l, 1.9 * picture);
+        fit(l, 900, 760, picture + 24);
+    }
     Svg svg(920, l.height + 50);
     svg.open_group(10, 10);
     draw_graph(svg, s, l, s.m.neighbour_graph.empty() ? s.m.spanning_tree : s.m.neighbour_graph, picture, labelled);
@@ -308,7 +347,11 @@ Figure page(const Study& s, const Embedding& e) {
              std::to_string(s.n) + " shapes, " + std::to_string(s.m.pairs_done) + " geodesics" +
                  (s.m.distance_unit.empty() ? "" : "; distances are path lengths, unit: " + s.m.distance_unit),
              12);
-    const auto l = layout(e, s.n, 500, 600, 62);
+    auto l = layout(e, s.n, 500, 600, 70);
+    for (int round = 0; round < 4; ++round) {
+        push_apart(l, 1.9 * 62);
+        fit(l, 500, 600, 70);
+    }
     svg.open_group(30, 110 + std::max(0.0, (560 - l.height) / 2));
     draw_graph(svg, s, l, s.m.neighbour_graph.empty() ? s.m.spanning_tree : s.m.neighbour_graph, 62, true);
     svg.close_group();

@@ -181,6 +181,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["dimension"] = m.dimension;
     result["collection"] = m.collection;
     result["study_folder"] = m.study_folder;
+    result["geodesic_options"] = m.geodesic_options;
     result["shapes_found"] = m.shapes_found;
     result["pairs_total"] = m.pairs_total;
     result["pairs_done"] = m.pairs_done;

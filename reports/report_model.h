@@ -227,7 +227,10 @@ struct ReportModel {
     std::string created;  ///< ISO 8601, UTC
     int dimension = 2;
     std::string collection;    ///< folder that was studied, as given
-    std::string study_folder;  ///< argument for `morphodesic geodesic A B --out ...`; empty: the default
+    std::string study_folder;  ///< where the study is kept, as given
+    /// Options (words, not quoted) that give `morphodesic geodesic A B` the settings of this study, for paths that are
+    /// not stored; the page adds the two files, collection + "/" + name, and --out.
+    std::vector<std::string> geodesic_options;
     int shapes_found = 0;
     long pairs_total = 0;
     long pairs_done = 0;

@@ -99,7 +99,8 @@ std::vector<double> ticks(double low, double high, int about) {
     const double raw = (high - low) / about, power = std::pow(10.0, std::floor(std::log10(raw)));
     const double step = power * (raw / power < 1.5 ? 1 : raw / power < 3.5 ? 2 : raw / power < 7.5 ? 5 : 10);
     std::vector<double> result;
-    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) result.push_back(k * step);
+    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
+        result.push_back(k * step + 0.0);  // + 0: no negative zero
     return result;
 }
 

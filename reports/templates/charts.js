@@ -141,6 +141,22 @@ function heatMapSpec(order, tree, room, numbers) {
   };
 }
 
+/// Moves the shapes of a small graph apart until their pictures no longer overlap; the map is only a hint there.
+function pushApart(points, least) {
+  for (let sweep = 0, moved = true; moved && sweep < 300; ++sweep) {
+    moved = false;
+    points.forEach((p, i) => points.slice(i + 1).forEach((q, k) => {
+      let dx = q.x - p.x, dy = q.y - p.y;
+      const r = Math.hypot(dx, dy);
+      if (r >= least) return;
+      if (r < 1e-9 * least) { dx = Math.cos(k); dy = Math.sin(k); }
+      const push = 0.26 * (least - r) / Math.max(Math.hypot(dx, dy), 1e-12);
+      p.x -= push * dx; p.y -= push * dy; q.x += push * dx; q.y += push * dy;
+      moved = true;
+    }));
+  }
+}
+
 /// Shapes at their places in the plane, or in space seen from an angle, with the edges of a graph.
 function embeddingSpec(embedding, edges, size, options) {
   const d = embedding.dimension, at = (i, a) => a < d ? embedding.coordinates[i * d + a] : 0;
@@ -148,7 +164,7 @@ function embeddingSpec(embedding, edges, size, options) {
   for (let i = 0; i < count; ++i) {
     if (known(at(i, 0))) shapes.push({i, x: at(i, 0), y: at(i, 1), z: at(i, 2), url: pictureUrl(i), group: groupOf(i), name: shortName(i)});
   }
-  const centre = a => shapes.reduce((s, p) => s + p["xyz"[a]], 0) / (shapes.length || 1);
+  const centre = a => { const v = shapes.map(p => p["xyz"[a]]); return d === 3 ? v.reduce((s, x) => s + x, 0) / (v.length || 1) : v.length ? (Math.min(...v) + Math.max(...v)) / 2 : 0; };
   const c = [0, 1, 2].map(centre);
   shapes.forEach(p => { p.x -= c[0]; p.y -= c[1]; p.z -= c[2]; });
   let reach = [0, 0];
@@ -156,7 +172,12 @@ function embeddingSpec(embedding, edges, size, options) {
     reach = d === 3 ? reach.map(r => Math.max(r, Math.hypot(p.x, p.y, p.z))) : [Math.max(reach[0], Math.abs(p.x)), Math.max(reach[1], Math.abs(p.y))];
   });
   const picture = options.picture, margin = picture / 2 + 14, width = size;
-  const perUnit = (width - 2 * margin) / (2 * reach[0] || 1);
+  let perUnit = (width - 2 * margin) / (2 * reach[0] || 1);
+  for (let round = 0; options.labels && round < 4; ++round) {  // pushing needs room, making room moves closer
+    pushApart(shapes, 1.9 * picture / perUnit);
+    shapes.forEach(p => { reach = [Math.max(reach[0], Math.abs(p.x)), Math.max(reach[1], Math.abs(p.y))]; });
+    perUnit = (width - 2 * margin) / (2 * reach[0] || 1);
+  }
   const height = d === 3 ? Math.min(size, 560) : Math.max(220, Math.min(620, 2 * reach[1] * perUnit + 2 * margin));
   const scale = Math.min(perUnit, (height - 2 * margin) / (2 * reach[1] || 1)), range = p => [-p / (2 * scale || 1), p / (2 * scale || 1)];
   const inGraph = new Set(shapes.map(p => p.i));
@@ -179,7 +200,7 @@ function embeddingSpec(embedding, edges, size, options) {
         {type: "lookup", from: "shapes", key: "i", fields: ["a", "b"], as: ["A", "B"]}]}],
     scales: [groupScale, {name: "x", domain: range(width), range: [0, width], zero: false, nice: false},
       {name: "y", domain: range(height), range: [height, 0], zero: false, nice: false}],
-    axes: d === 3 ? [] : [{orient: "bottom", scale: "x", tickCount: 6, grid: true, title: "unit of the distances"},
+    axes: d === 3 || options.labels ? [] : [{orient: "bottom", scale: "x", tickCount: 6, grid: true, title: "unit of the distances"},
       {orient: "left", scale: "y", tickCount: 5, grid: true}],
     legends: groupNames.length > 1 && groupNames.length <= 36 ? [groupLegend(byClass ? "class" : "cluster")] : [],
     marks: [{name: "back", type: "rect", aria: false, encode: {update: {width: {value: width}, height: {value: height}, fill: {value: "transparent"},
@@ -198,7 +219,7 @@ function embeddingSpec(embedding, edges, size, options) {
         align: {value: "center"}, baseline: {value: "middle"}, aspect: {value: true}}}}] : [],
       options.labels ? [].concat(["halo", "text"].map(kind => ({type: "text", from: {data: "edges"}, interactive: false, aria: false, encode: {update: {
         x: {signal: "(scale('x', datum.A.px) + scale('x', datum.B.px)) / 2"}, y: {signal: "(scale('y', datum.A.py) + scale('y', datum.B.py)) / 2"},
-        text: {signal: "format(datum.length, '.3f')"}, align: {value: "center"}, baseline: {value: "middle"}, fontSize: {value: 12}, fontWeight: {value: 600},
+        text: {signal: "format(datum.length, datum.length < 0.1 ? '.4f' : '.3f')"}, align: {value: "center"}, baseline: {value: "middle"}, fontSize: {value: 12}, fontWeight: {value: 600},
         fill: {value: kind === "halo" ? null : "var(--ink)"}, stroke: {value: kind === "halo" ? "var(--paper)" : null}, strokeWidth: {value: 4}}}})),
       {type: "text", from: {data: "shapes"}, interactive: false, aria: false, encode: {update: {
         x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, dy: {signal: "picture * 0.62 + 12"}, text: {field: "name"}, limit: {value: 120},

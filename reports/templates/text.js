@@ -81,10 +81,12 @@ function quoted(word) {
   return "'" + word.replace(/'/g, "'\\''") + "'";
 }
 function geodesicCommand(a, b) {
-  const names = [data.shapes[a].name, data.shapes[b].name], words = ["morphodesic", "geodesic"];
-  if (data.study_folder) words.push("--out", quoted(data.study_folder));
-  if (names.some(n => n.startsWith("-"))) words.push("--");
-  return words.concat(names.map(quoted)).join(" ");
+  const folder = data.collection && !data.collection.endsWith("/") ? data.collection + "/" : data.collection;
+  const files = [a, b].map(i => folder + data.shapes[i].name);
+  const out = `${shortName(a)}-${shortName(b)}.geodesic`.replace(/[^\p{L}\p{N}._-]+/gu, "_").replace(/^[-_]+/, "");
+  const words = ["morphodesic", "geodesic", ...data.geodesic_options, "--out", out];
+  if (files.some(f => f.startsWith("-"))) words.push("--");
+  return words.concat(files).map(quoted).join(" ");
 }
 
 // ---- groups: classes if they are known, else clusters

@@ -16,7 +16,9 @@ using namespace reports;
 
 struct Blob {
     double radius = 0.3, depth = 0.2, lobes = 3, phase = 0;
-    [[nodiscard]] std::array<double, 3> place() const { return {depth * 1.5, (lobes - 4.0) * 0.06 + phase * 0.08, radius * 1.2}; }
+    [[nodiscard]] std::array<double, 3> place() const {
+        return {depth * 1.5, (lobes - 4.0) * 0.06 + phase * 0.08, radius * 1.2};
+    }
 };
 
 Blob between(const Blob& a, const Blob& b, double t) {
@@ -115,6 +117,7 @@ ReportModel synthetic_model(const SyntheticStudy& study) {
     m.dimension = study.dimension;
     m.collection = "leaves";
     m.study_folder = "leaves.study";
+    m.geodesic_options = {"--preset", "fast"};
     m.shapes_found = study.shapes + 1;
     m.pairs_total = m.pairs_done = static_cast<long>(n * (n - 1) / 2);
     m.seconds = 83.2;

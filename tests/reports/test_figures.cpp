@@ -1,0 +1,107 @@
+#include <cairo.h>
+#include <gmock/gmock.h>
+
+#include <cstdint>
+#include <cstring>
+#include <set>
+
+#include "reports/figures.h"
+#include "reports/svg.h"
+#include "tests/reports/evil_names.h"
+#include "tests/reports/synthetic_model.h"
+
+namespace morphodesic::reports {
+namespace {
+
+struct Image {
+    int width = 0, height = 0;
+    std::set<std::uint32_t> colours;
+};
+
+Image decode(std::string png) {
+    cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(
+        [](void* closure, unsigned char* out, unsigned length) {
+            auto* rest = static_cast<std::string*>(closure);
+            if (rest->size() < length) return CAIRO_STATUS_READ_ERROR;
+            std::memcpy(out, rest->data(), length);
+            rest->erase(0, length);
+            return CAIRO_STATUS_SUCCESS;
+        },
+        &png);
+    Image image{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
+    const unsigned char* data = cairo_image_surface_get_data(surface);
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            std::uint32_t pixel = 0;
+            std::memcpy(&pixel, data + y * cairo_image_surface_get_stride(surface) + 4 * x, 4);
+            image.colours.insert(pixel & 0xFFFFFFU);
+        }
+    }
+    cairo_surface_destroy(surface);
+    return image;
+}
+
+TEST(Figures, EveryFigureIsMadeAndDrawn) {
+    const auto made = figures(tests::synthetic_model({.shapes = 8, .classes = 2, .paths = 1}));
+    std::vector<std::string> names;
+    for (const auto& f : made) {
+        names.push_back(f.name);
+        const Image image = decode(svg_to_png(f.svg, 300));
+        EXPECT_EQ(image.width, 300) << f.name;
+        EXPECT_GT(image.height, 50) << f.name;
+        EXPECT_GT(image.colours.size(), 20U) << f.name << " is empty";
+        const std::string pdf = svg_to_pdf(f.svg);
+        EXPECT_EQ(pdf.substr(0, 5), "%PDF-") << f.name;
+        EXPECT_NE(pdf.rfind("%%EOF"), std::string::npos) << f.name;
+    }
+    EXPECT_THAT(names, testing::ElementsAre("heat_map", "dendrogram_average", "embedding_2d", "shepard_2d",
+                                            "embedding_3d", "shepard_3d", "graph", "page", "precision_recall",
+                                            "volume_dendrogram", "compare", "path_0_1"));
+}
+
+TEST(Figures, HeatMapShowsTheColoursOfItsDistances) {
+    auto model = tests::synthetic_model({.shapes = 3, .classes = 1, .paths = 0, .labelled = false});
+    model.distances = {0.5, 1.0, unknown};
+    const auto made = figures(model);
+    const Image image = decode(svg_to_png(made.at(0).svg));
+    const auto has = [&](const std::string& colour) {
+        return image.colours.count(static_cast<std::uint32_t>(std::stoul(colour.substr(1), nullptr, 16))) > 0;
+    };
+    EXPECT_TRUE(has(viridis(0)));
+    EXPECT_TRUE(has(viridis(0.5)));
+    EXPECT_TRUE(has(viridis(1)));
+    EXPECT_TRUE(has("#9aa1ab"));  // missing
+    EXPECT_FALSE(has(viridis(0.25)));
+}
+
+TEST(Figures, LargeStudiesStaySmall) {
+    const auto made = figures(tests::synthetic_model({.shapes = 300, .classes = 10, .paths = 0}));
+    for (const auto& f : made) EXPECT_LT(f.svg.size(), 4'000'000U) << f.name;
+    EXPECT_GT(decode(svg_to_png(made.at(0).svg, 500)).colours.size(), 100U);
+}
+
+TEST(Figures, NamesAreText) {
+    auto model =
+        tests::synthetic_model({.shapes = static_cast<int>(tests::evil_names.size()), .classes = 3, .paths = 1});
+    for (std::size_t i = 0; i < model.shapes.size(); ++i)
+        model.shapes[i].name = model.shapes[i].label = tests::evil_names[i];
+    for (const auto& f : figures(model)) {
+        EXPECT_EQ(f.svg.find("<img"), std::string::npos) << f.name;
+        EXPECT_EQ(f.svg.find("<script"), std::string::npos) << f.name;
+        EXPECT_NO_THROW((void)svg_to_png(f.svg, 200)) << f.name;  // well-formed
+    }
+}
+
+TEST(Figures, UnreadableSvgIsAnError) {
+    EXPECT_THROW((void)svg_to_png("<svg"), std::runtime_error);
+}
+
+TEST(Figures, TicksAreRoundAndInside) {
+    EXPECT_THAT(ticks(0, 1, 5), testing::ElementsAre(0, testing::DoubleNear(0.2, 1e-12),
+                                                     testing::DoubleNear(0.4, 1e-12), testing::DoubleNear(0.6, 1e-12),
+                                                     testing::DoubleNear(0.8, 1e-12), testing::DoubleNear(1, 1e-12)));
+    for (const double v : ticks(0.013, 0.094, 5)) EXPECT_TRUE(v >= 0.0129 && v <= 0.0941);
+}
+
+}  // namespace
+}  // namespace morphodesic::reports
