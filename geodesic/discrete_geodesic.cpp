@@ -74,12 +74,23 @@ private:
         return result;
     }
 
+    /// The shapes between are renewed from the two ends where that lowers the energy.
+    static void adopt_transported_shapes(PathState<Dim>& path, PathEnergy<Dim>& energy) {
+        if (path.layout.time_steps == 1) return;
+        const double before = energy.evaluate(path.x, {}).total;
+        std::vector<double> old(path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)), path.x.end());
+        transport_shapes(path, energy.first(), energy.last());
+        if (energy.evaluate(path.x, {}).total < before) return;
+        std::copy(old.begin(), old.end(), path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)));
+    }
+
     /// Minimises on the level and K of the path.
     void solve(Start<Dim>& start, int folds, double tolerance) {
         const auto begin = Clock::now();
         const int level = start.path.layout.grid.level(), steps = start.path.layout.time_steps;
         PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options_,
                                mask_on(start.motion, level));
+        adopt_transported_shapes(start.path, energy);
         MinimizerOptions minimizer;
         minimizer.tolerance = tolerance;
         minimizer.max_iterations = options_.max_iterations;

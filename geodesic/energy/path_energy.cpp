@@ -124,7 +124,8 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, std::span<const double> x
                                        options_.outside_stiffness,
                                        eps(),
                                        static_cast<double>(last_step),
-                                       eta_};
+                                       eta_,
+                                       barrier_weight * last_step};
     slab.sums = kernels::step_energy_rows<Dim>(slab.begin, slab.end, fields, weights, out);
 }
 
@@ -160,6 +161,7 @@ PathTerms PathEnergy<Dim>::evaluate(std::span<const double> x, std::span<double>
         for (const Slab& slab : slabs_[k]) {
             terms.deformation[k] += slab.sums.deformation;
             terms.mismatch[k] += slab.sums.mismatch;
+            terms.barrier += slab.sums.barrier;
             if (!(slab.sums.min_det >= terms.step_min_det[k]))
                 terms.step_min_det[k] = slab.sums.min_det;  // keeps a NaN
         }
@@ -167,6 +169,7 @@ PathTerms PathEnergy<Dim>::evaluate(std::span<const double> x, std::span<double>
         terms.min_det = std::min(terms.min_det, terms.step_min_det[k]);
         terms.total += steps * terms.deformation[k] + eta_ * terms.mismatch[k];
     }
+    terms.total += terms.barrier;
     if (!admissible || !std::isfinite(terms.total)) {
         terms.total = std::numeric_limits<double>::infinity();
         return terms;

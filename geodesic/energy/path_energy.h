@@ -36,6 +36,7 @@ struct PathTerms {
     std::vector<double> deformation;   ///< E_deform,k, k = 1..K, without the factor K
     std::vector<double> mismatch;      ///< E_match,k, k = 1..K, without eta
     double area = 0.0;                 ///< sum over k = 1..K of E_area[u_k], without nu / K
+    double barrier = 0.0;              ///< barrier against folds, with its factor (see kernels::StepSums)
     double min_det = 0.0;              ///< least det D phi at quadrature points and cell corners
     std::vector<double> step_min_det;  ///< the same for each phi_k
 
@@ -65,6 +66,8 @@ public:
 
     /// Deformations with a det D phi below this at a quadrature point or cell corner count as folded.
     static constexpr double least_det = 0.02;
+    /// Stiffness of squeezed cells (det < barrier_onset) at their corners, beside 1 inside and delta outside.
+    static inline double barrier_weight = 1e-2;
 
     /// E of (14) at the path x (see PathLayout); its gradient goes to `gradient` unless that is empty, with zeros for
     /// the displacements on the boundary of the cube. The bits do not depend on the number of threads.

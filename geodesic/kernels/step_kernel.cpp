@@ -123,23 +123,58 @@ HWY_INLINE void first_piola(const V (&b)[Dim][Dim], V mu, V c, V (&p)[Dim][Dim])
     }
 }
 
+/// B = D phi - I at corner c of a cell.
+template <int Dim>
+HWY_INLINE void corner_gradient(const V (&w)[Dim][1 << Dim], int c, V inverse_h, V (&b)[Dim][Dim]) {
+    for (int i = 0; i < Dim; ++i) {
+        for (int j = 0; j < Dim; ++j) {
+            b[i][j] = hn::Mul(hn::Sub(w[i][c | (1 << j)], w[i][c & ~(1 << j)]), inverse_h);
+        }
+    }
+}
+
 /// The least det D phi at the corners of a cell. In 2D this bounds det on the whole cell from below.
 template <int Dim>
 HWY_INLINE V least_corner_determinant(const V (&w)[Dim][1 << Dim], V inverse_h) {
     const D d;
     V least = hn::Set(d, 1e300);
     for (int c = 0; c < (1 << Dim); ++c) {
-        V b[Dim][Dim];
-        for (int i = 0; i < Dim; ++i) {
-            for (int j = 0; j < Dim; ++j) {
-                b[i][j] = hn::Mul(hn::Sub(w[i][c | (1 << j)], w[i][c & ~(1 << j)]), inverse_h);
-            }
-        }
-        V det, higher;
+        V b[Dim][Dim], det, higher;
+        corner_gradient<Dim>(w, c, inverse_h, b);
         determinant_minus_one<Dim>(b, det, higher);
         least = hn::Min(least, det);
     }
     return hn::Add(least, hn::Set(d, 1.0));
+}
+
+/// Barrier of the corners of a cell, summed; its gradient times `factor` is added to grad_w.
+template <int Dim>
+HWY_NOINLINE V barrier(const V (&w)[Dim][1 << Dim], V inverse_h, V factor, V (&grad_w)[Dim][1 << Dim]) {
+    const D d;
+    const V one = hn::Set(d, 1.0), zero = hn::Zero(d);
+    V sum = zero;
+    for (int c = 0; c < (1 << Dim); ++c) {
+        V b[Dim][Dim], det_minus_one, higher, cofactor[Dim][Dim];
+        corner_gradient<Dim>(w, c, inverse_h, b);
+        determinant_minus_one<Dim>(b, det_minus_one, higher);
+        const V s = hn::Mul(hn::Add(one, det_minus_one), hn::Set(d, 1.0 / barrier_onset));
+        const auto squeezed = hn::Lt(s, one);
+        // Folded cells are rejected by min_det; here they must only not disturb the arithmetic.
+        const V safe = hn::Max(s, hn::Set(d, 1e-3));
+        const V value = hn::Sub(hn::Sub(safe, one), hn::Log(d, safe));
+        sum = hn::Add(sum, hn::IfThenElseZero(squeezed, value));
+        const V slope = hn::IfThenElseZero(squeezed, hn::Sub(one, hn::Div(one, safe)));
+        const V scaled = hn::Mul(hn::Mul(slope, factor), hn::Mul(inverse_h, hn::Set(d, 1.0 / barrier_onset)));
+        first_piola<Dim>(b, zero, one, cofactor);  // mu = 0, c = 1: the cofactor matrix
+        for (int i = 0; i < Dim; ++i) {
+            for (int j = 0; j < Dim; ++j) {
+                const V p = hn::Mul(scaled, cofactor[i][j]);
+                grad_w[i][c | (1 << j)] = hn::Add(grad_w[i][c | (1 << j)], p);
+                grad_w[i][c & ~(1 << j)] = hn::Sub(grad_w[i][c & ~(1 << j)], p);
+            }
+        }
+    }
+    return hn::Mul(sum, factor);
 }
 
 /// Value and gradient (in units of 1 / h) of the multilinear function with corner values v at a point of the cell.
@@ -204,6 +239,7 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
     const V quarter_lambda = hn::Set(d, 0.25 * s.lambda), half_lambda = hn::Set(d, 0.5 * s.lambda);
     const V log_factor = hn::Set(d, s.mu + 0.5 * s.lambda);
     const V last_cell = hn::Set(d, static_cast<double>(cells - 1));
+    const V barrier_factor = hn::Set(d, quadrature_weight * s.barrier);
     const V deformation_factor = hn::Set(d, quadrature_weight * s.deformation);
 
     // Gradients at the nodes of a row: left and right nodes of the cells apart, so that stores never overlap loads.
@@ -212,7 +248,7 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
     static thread_local std::vector<double> rows;
     rows.resize(static_cast<std::size_t>(outputs * corners) * padded);
 
-    V sum_deformation = zero, sum_mismatch = zero, min_det = hn::Set(d, 1e300);
+    V sum_deformation = zero, sum_mismatch = zero, sum_barrier = zero, min_det = hn::Set(d, 1e300);
     HWY_ALIGN std::int64_t scatter_base[8];
     HWY_ALIGN double scatter_value[corners][8];
 
@@ -232,7 +268,11 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
                     grad_u[c] = zero;
                     chi[c] = f.mask ? hn::LoadU(d, f.mask + at) : one;
                 }
-                min_det = hn::Min(min_det, least_corner_determinant<Dim>(w, inverse_h));
+                const V least_corner = least_corner_determinant<Dim>(w, inverse_h);
+                min_det = hn::Min(min_det, least_corner);
+                if (!hn::AllFalse(d, hn::Lt(least_corner, hn::Set(d, barrier_onset)))) {
+                    sum_barrier = hn::Add(sum_barrier, barrier<Dim>(w, inverse_h, barrier_factor, grad_w));
+                }
 
                 for (int q = 0; q < points; ++q) {
                     V b[Dim][Dim], displacement[Dim], norm = zero;
@@ -372,6 +412,8 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
     for (int lane = 0; lane < lanes; ++lane) sums.deformation += lane_values[lane];
     hn::Store(sum_mismatch, d, lane_values);
     for (int lane = 0; lane < lanes; ++lane) sums.mismatch += lane_values[lane];
+    hn::Store(sum_barrier, d, lane_values);
+    for (int lane = 0; lane < lanes; ++lane) sums.barrier += lane_values[lane];
     hn::Store(min_det, d, lane_values);
     for (int lane = 0; lane < lanes; ++lane) sums.min_det = std::min(sums.min_det, lane_values[lane]);
     sums.deformation *= quadrature_weight;

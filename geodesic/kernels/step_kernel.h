@@ -28,12 +28,19 @@ struct StepWeights {
     double eps;          ///< width of H_eps
     double deformation;  ///< factor of E_deform in the gradients (K in (14))
     double mismatch;     ///< factor of E_match in the gradients (eta in (14))
+    double barrier;      ///< factor of the barrier against folds, see StepSums::barrier
 };
+
+constexpr double barrier_onset = 0.25;
 
 struct StepSums {
     double deformation = 0.0;  ///< E_deform of the rows, without its factor
     double mismatch = 0.0;     ///< E_match of the rows, without its factor
-    double min_det = 1e300;    ///< least det D phi at the quadrature points and cell corners; <= 0: inadmissible
+    /// int b(det D phi) dx by the corners of the cells, b(s) = -log(s / s0) + s / s0 - 1 for s < s0 = barrier_onset,
+    /// else 0. It keeps the corners of squeezed background cells away from folding, which the quadrature points of (13)
+    /// do not see. Already multiplied by its factor.
+    double barrier = 0.0;
+    double min_det = 1e300;  ///< least det D phi at the quadrature points and cell corners; <= 0: inadmissible
 };
 
 /// E_deform (13) and E_match (12) of one time step over the cells whose index on the last axis lies in

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
@@ -153,6 +155,58 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
 }
 
 template <int Dim>
+void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last) {
+    const auto& grid = path.layout.grid;
+    const int steps = path.layout.time_steps;
+    const double eps = grid.spacing();
+    // Where the point at a node of frame k came from in frame 0, and where it goes to in frame K: as displacements, so
+    // that interpolating them again and again does not blur the shapes.
+    std::vector<VectorField<Dim>> origin(static_cast<std::size_t>(steps), VectorField<Dim>(grid)), target = origin;
+    const auto value_at = [&](const VectorField<Dim>& field, const Point<Dim>& x) {
+        Point<Dim> v{};
+        for (std::size_t a = 0; a < Dim; ++a) v[a] = q1::value(grid, field.components[a].data(), x);
+        return v;
+    };
+    for (int k = 1; k < steps; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        for_nodes(grid, [&](std::size_t i) {
+            const auto y = grid.position(grid.node(i));
+            const auto here = displacement_at(path, k, y);
+            Point<Dim> x{};
+            for (std::size_t a = 0; a < Dim; ++a) x[a] = y[a] - here[a];
+            invert_at(path, k, 1.0, y, x);
+            const auto before = value_at(origin[at - 1], x);
+            for (std::size_t a = 0; a < Dim; ++a) origin[at].components[a][i] = x[a] - y[a] + before[a];
+        });
+    }
+    for (int k = steps - 1; k >= 1; --k) {
+        const auto at = static_cast<std::size_t>(k);
+        for_nodes(grid, [&](std::size_t i) {
+            auto z = grid.position(grid.node(i));
+            for (int a = 0; a < Dim; ++a)
+                z[static_cast<std::size_t>(a)] += path.x[path.layout.displacement(k + 1, a) + i];
+            const auto after = k + 1 < steps ? value_at(target[at + 1], z) : Point<Dim>{};
+            for (int a = 0; a < Dim; ++a) {
+                const auto c = static_cast<std::size_t>(a);
+                target[at].components[c][i] = path.x[path.layout.displacement(k + 1, a) + i] + after[c];
+            }
+        });
+        const double t = static_cast<double>(k) / steps;
+        double* u = path.x.data() + path.layout.level_set(k);
+        for_nodes(grid, [&](std::size_t i) {
+            auto from = grid.position(grid.node(i)), to = from;
+            for (std::size_t a = 0; a < Dim; ++a) {
+                from[a] += origin[at].components[a][i];
+                to[a] += target[at].components[a][i];
+            }
+            const double w = (1 - t) * smooth_heaviside(q1::value(grid, first.values.data(), from), eps) +
+                             t * smooth_heaviside(q1::value(grid, last.values.data(), to), eps);
+            u[i] = eps * std::tan(std::numbers::pi * (w - 0.5));
+        });
+    }
+}
+
+template <int Dim>
 PathState<Dim> reversed(const PathState<Dim>& path, int& folds) {
     const auto& grid = path.layout.grid;
     const int steps = path.layout.time_steps;
@@ -184,6 +238,7 @@ PathState<Dim> reversed(const PathState<Dim>& path, int& folds) {
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
                                                int&);                                                             \
     template PathState<Dim> prolong_in_space<Dim>(const PathState<Dim>&, int&);                                   \
+    template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&);             \
     template PathState<Dim> reversed<Dim>(const PathState<Dim>&, int&);
 MORPHODESIC_INSTANTIATE(2)
 MORPHODESIC_INSTANTIATE(3)
