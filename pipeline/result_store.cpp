@@ -1,0 +1,430 @@
+#include "pipeline/result_store.h"
+
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/database.h"
+#include "pipeline/digest.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int application_id = 0x6d6f7270;  // "morp" in the file's header
+
+constexpr char schema[] = R"(
+CREATE TABLE study(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE shapes(name TEXT PRIMARY KEY, path TEXT NOT NULL, label TEXT NOT NULL, dimension INTEGER NOT NULL,
+  file_digest TEXT NOT NULL, reading TEXT NOT NULL, placing TEXT NOT NULL, extent_radius REAL, content_digest TEXT NOT NULL, volume REAL, scale REAL,
+  notes TEXT NOT NULL, problem TEXT NOT NULL);
+CREATE TABLE level_sets(digest TEXT PRIMARY KEY, dimension INTEGER NOT NULL, level INTEGER NOT NULL,
+  u BLOB NOT NULL, mask BLOB NOT NULL, checksum TEXT NOT NULL);
+CREATE TABLE settings(hash TEXT PRIMARY KEY, text TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE geodesics(a TEXT NOT NULL, b TEXT NOT NULL, settings TEXT NOT NULL,
+  failure TEXT NOT NULL, termination TEXT NOT NULL, path_length REAL, path_energy REAL, total_energy REAL, error REAL,
+  extrapolated_length REAL, min_det REAL, seconds REAL, details TEXT NOT NULL, checksum TEXT NOT NULL,
+  PRIMARY KEY(settings, a, b)) WITHOUT ROWID;
+CREATE TABLE pictures(key TEXT PRIMARY KEY, bytes BLOB NOT NULL);
+)";
+
+/// NaN and infinities have no JSON number; they travel as strings.
+json number_to_json(double x) { return std::isfinite(x) ? json(x) : json(std::isnan(x) ? "nan" : x > 0 ? "inf" : "-inf"); }
+
+double number_from_json(const json& j) {
+    if (j.is_number()) return j.get<double>();
+    const auto text = j.get<std::string>();
+    if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
+    return text == "inf" ? HUGE_VAL : -HUGE_VAL;
+}
+
+json numbers_to_json(const std::vector<double>& values) {
+    json array = json::array();
+    for (const double x : values) array.push_back(number_to_json(x));
+    return array;
+}
+
+std::vector<double> numbers_from_json(const json& array) {
+    std::vector<double> values;
+    for (const json& x : array) values.push_back(number_from_json(x));
+    return values;
+}
+
+Termination termination_from(std::string_view text) {
+    for (const Termination t : {Termination::converged, Termination::max_steps, Termination::no_descent}) {
+        if (text == to_string(t)) return t;
+    }
+    return Termination::cancelled;
+}
+
+std::string details_of(const StoredGeodesic& g) {
+    json levels = json::array();
+    for (const LevelReport& l : g.levels) {
+        levels.push_back({{"level", l.level},
+                          {"time_steps", l.time_steps},
+                          {"iterations", l.iterations},
+                          {"evaluations", l.evaluations},
+                          {"total_energy", number_to_json(l.total_energy)},
+                          {"path_length", number_to_json(l.path_length)},
+                          {"min_det", number_to_json(l.min_det)},
+                          {"folds_repaired", l.folds_repaired},
+                          {"termination", to_string(l.termination)},
+                          {"seconds", number_to_json(l.seconds)}});
+    }
+    return json{{"message", g.message},
+                {"deformation_energy", numbers_to_json(g.deformation_energy)},
+                {"mismatch_energy", numbers_to_json(g.mismatch_energy)},
+                {"rotation", numbers_to_json(g.rotation)},
+                {"translation", numbers_to_json(g.translation)},
+                {"levels", levels}}
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void read_details(const std::string& text, StoredGeodesic& g) {
+    const json details = json::parse(text);
+    g.message = details.at("message").get<std::string>();
+    g.deformation_energy = numbers_from_json(details.at("deformation_energy"));
+    g.mismatch_energy = numbers_from_json(details.at("mismatch_energy"));
+    g.rotation = numbers_from_json(details.at("rotation"));
+    g.translation = numbers_from_json(details.at("translation"));
+    for (const json& l : details.at("levels")) {
+        LevelReport level;
+        level.level = l.at("level");
+        level.time_steps = l.at("time_steps");
+        level.iterations = l.at("iterations");
+        level.evaluations = l.at("evaluations");
+        level.total_energy = number_from_json(l.at("total_energy"));
+        level.path_length = number_from_json(l.at("path_length"));
+        level.min_det = number_from_json(l.at("min_det"));
+        level.folds_repaired = l.at("folds_repaired");
+        level.termination = termination_from(l.at("termination").get<std::string>());
+        level.seconds = number_from_json(l.at("seconds"));
+        g.levels.push_back(level);
+    }
+}
+
+/// Over every column of a row: text with separators, numbers by their bits.
+std::string row_checksum(const StoredGeodesic& g, const std::string& details) {
+    std::string bytes;
+    for (const std::string* text : {&g.a, &g.b, &g.settings_hash, &g.failure, &details}) bytes += *text + '\n';
+    bytes += to_string(g.termination);
+    for (const double x : {g.path_length, g.path_energy, g.total_energy, g.error, g.extrapolated_length, g.min_det,
+                           g.seconds}) {
+        const double canonical = std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x;
+        bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
+    }
+    return digest(bytes);
+}
+
+std::string compress(const std::vector<double>& values) {
+    const std::vector<float> floats(values.begin(), values.end());
+    const auto size = static_cast<uLong>(floats.size() * sizeof(float));
+    uLongf packed = compressBound(size);
+    std::string bytes(packed, '\0');
+    compress2(reinterpret_cast<Bytef*>(bytes.data()), &packed, reinterpret_cast<const Bytef*>(floats.data()), size, 1);
+    bytes.resize(packed);
+    return bytes;
+}
+
+std::vector<double> uncompress(const std::string& bytes, std::size_t count) {
+    std::vector<float> floats(count);
+    auto size = static_cast<uLongf>(count * sizeof(float));
+    if (::uncompress(reinterpret_cast<Bytef*>(floats.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                     static_cast<uLong>(bytes.size())) != Z_OK ||
+        size != count * sizeof(float)) {
+        return {};
+    }
+    return {floats.begin(), floats.end()};
+}
+
+}  // namespace
+
+std::string StoredGeodesic::problem() const {
+    if (!failure.empty()) return failure;
+    if (termination == Termination::max_steps) return "not converged: the iteration limit was reached";
+    if (termination == Termination::no_descent) return "not converged: the line search found no descent";
+    if (termination == Termination::cancelled) return "cancelled";
+    if (!std::isfinite(path_length)) return "the path length is not finite";
+    if (!(min_det > 0)) return "the deformations are not certified to be one-to-one (min det " + std::to_string(min_det) + ")";
+    return {};
+}
+
+template <int Dim>
+StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::string b, std::string settings_hash) {
+    StoredGeodesic g;
+    g.a = std::move(a);
+    g.b = std::move(b);
+    g.settings_hash = std::move(settings_hash);
+    g.termination = result.termination;
+    g.message = result.message;
+    g.path_length = result.path_length;
+    g.path_energy = result.path_energy;
+    g.total_energy = result.total_energy;
+    g.error = result.error;
+    g.extrapolated_length = result.extrapolated_length;
+    g.min_det = result.min_det;
+    g.seconds = result.seconds;
+    g.deformation_energy = result.deformation_energy;
+    g.mismatch_energy = result.mismatch_energy;
+    g.levels = result.levels;
+    g.rotation.assign(result.motion.rotation.begin(), result.motion.rotation.end());
+    g.translation.assign(result.motion.translation.begin(), result.motion.translation.end());
+    return g;
+}
+
+struct ResultStore::Impl {
+    Impl(fs::path file, Access access) : database(std::move(file), access == Access::write) {}
+
+    void open(Access access) {
+        const int version = static_cast<int>(pragma("user_version"));
+        if (version == 0 && access == Access::write && pragma("schema_version") == 0) {
+            database.execute("PRAGMA journal_mode = WAL");
+            Transaction transaction(database);
+            database.execute(schema);
+            database.execute("PRAGMA application_id = " + std::to_string(application_id));
+            database.execute("PRAGMA user_version = " + std::to_string(store_version));
+            transaction.commit();
+        } else if (version == 0 || pragma("application_id") != application_id) {
+            throw StoreError(database.file(), "is not the store of a morphodesic study; choose another folder with --out");
+        } else if (version != store_version) {
+            throw StoreError(database.file(),
+                             "was written by " + std::string(version > store_version ? "a newer" : "an older") +
+                                 " morphodesic (store version " + std::to_string(version) + ", this program reads " +
+                                 std::to_string(store_version) +
+                                 "); use that program, or make a new study with --out OTHER_FOLDER");
+        }
+        if (access == Access::write) {
+            // A commit survives the death of the process at once, and a power cut up to the last checkpoint; either way
+            // the file stays consistent.
+            database.execute("PRAGMA synchronous = NORMAL");
+            database.execute("PRAGMA wal_autocheckpoint = 1000");
+        }
+        Statement check = database.prepare("PRAGMA quick_check(1)");
+        if (check.step() && check.text(0) != "ok") {
+            throw StoreError(database.file(), "is damaged (" + check.text(0) +
+                                                  "); move it away and run the study again, or restore a copy. What can "
+                                                  "still be read is shown by: sqlite3 FILE .recover");
+        }
+    }
+    [[nodiscard]] long long pragma(const std::string& name) const {
+        Statement statement = database.prepare("PRAGMA " + name);
+        return statement.step() ? statement.integer(0) : 0;
+    }
+    /// Reads the columns of `SELECT * FROM geodesics`; the sentence is empty if the row is sound.
+    [[nodiscard]] std::pair<StoredGeodesic, std::string> row(const Statement& s) const {
+        StoredGeodesic g;
+        g.a = s.text(0);
+        g.b = s.text(1);
+        g.settings_hash = s.text(2);
+        g.failure = s.text(3);
+        g.termination = termination_from(s.text(4));
+        g.path_length = s.number(5);
+        g.path_energy = s.number(6);
+        g.total_energy = s.number(7);
+        g.error = s.number(8);
+        g.extrapolated_length = s.number(9);
+        g.min_det = s.number(10);
+        g.seconds = s.number(11);
+        const std::string details = s.text(12);
+        if (row_checksum(g, details) != s.text(13)) {
+            return {g, database.file().string() + ": the stored result of a pair is damaged (" + g.a + ", " + g.b + ")"};
+        }
+        read_details(details, g);
+        return {g, ""};
+    }
+
+    Database database;
+    std::mutex mutex;  // one writer at a time inside the process
+};
+
+ResultStore::ResultStore(fs::path file, Access access) {
+    if (access == Access::read && !fs::exists(file)) {
+        throw StoreError(file, "there is no study here; make one with: morphodesic run FOLDER");
+    }
+    impl_ = std::make_unique<Impl>(std::move(file), access);
+    impl_->open(access);
+}
+ResultStore::~ResultStore() = default;
+
+const fs::path& ResultStore::file() const { return impl_->database.file(); }
+
+std::optional<std::string> ResultStore::fact(std::string_view key) const {
+    Statement s = impl_->database.prepare("SELECT value FROM study WHERE key = ?");
+    return s.bind(1, key).step() ? std::optional(s.text(0)) : std::nullopt;
+}
+
+void ResultStore::set_fact(std::string_view key, std::string_view value) {
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO study VALUES(?, ?)");
+    s.bind(1, key).bind(2, value).run();
+}
+
+std::vector<StoredShape> ResultStore::shapes() const {
+    Statement s = impl_->database.prepare(
+        "SELECT name, path, label, dimension, file_digest, reading, placing, extent_radius, content_digest, volume, scale, "
+        "notes, problem "
+        "FROM shapes ORDER BY name");
+    std::vector<StoredShape> shapes;
+    while (s.step()) {
+        StoredShape shape{s.text(0),   s.text(1), s.text(2),   static_cast<int>(s.integer(3)),
+                          s.text(4),   s.text(5), s.text(6),   s.number(7),
+                          s.text(8),   s.number(9), s.number(10), {},
+                          s.text(12)};
+        for (const json& note : json::parse(s.text(11))) shape.notes.push_back(note.get<std::string>());
+        shapes.push_back(std::move(shape));
+    }
+    return shapes;
+}
+
+void ResultStore::put_shape(const StoredShape& shape) {
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    s.bind(1, shape.name).bind(2, shape.path).bind(3, shape.label).bind(4, shape.dimension).bind(5, shape.file_digest);
+    s.bind(6, shape.reading).bind(7, shape.placing).bind(8, shape.extent_radius).bind(9, shape.content_digest);
+    s.bind(10, shape.volume).bind(11, shape.scale);
+    s.bind(12, json(shape.notes).dump(-1, ' ', false, json::error_handler_t::replace)).bind(13, shape.problem).run();
+}
+
+void ResultStore::remove_shapes(const std::vector<std::string>& names) {
+    const std::scoped_lock lock(impl_->mutex);
+    Transaction transaction(impl_->database);
+    Statement s = impl_->database.prepare("DELETE FROM shapes WHERE name = ?");
+    for (const std::string& name : names) s.bind(1, name).run();
+    transaction.commit();
+}
+
+bool ResultStore::has_level_set(std::string_view digest) const {
+    Statement s = impl_->database.prepare("SELECT 1 FROM level_sets WHERE digest = ?");
+    return s.bind(1, digest).step();
+}
+
+template <int Dim>
+void ResultStore::put_level_set(std::string_view digest, const LevelSet<Dim>& level_set, const ScalarField<Dim>& mask) {
+    const std::string u = compress(level_set.values), chi = mask.values.empty() ? "" : compress(mask.values);
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO level_sets VALUES(?, ?, ?, ?, ?, ?)");
+    s.bind(1, digest).bind(2, Dim).bind(3, level_set.grid.level()).bind_blob(4, u).bind_blob(5, chi);
+    s.bind(6, pipeline::digest(u + chi)).run();
+}
+
+template <int Dim>
+LevelSet<Dim> ResultStore::level_set(std::string_view digest, ScalarField<Dim>* mask) const {
+    Statement s =
+        impl_->database.prepare("SELECT dimension, level, u, mask, checksum FROM level_sets WHERE digest = ?");
+    const char* advice = "; delete the study's folder and run the study again";
+    if (!s.bind(1, digest).step()) {
+        throw StoreError(file(), "the level set of a shape is missing (" + std::string(digest) + ")" + advice);
+    }
+    const std::string u = s.blob(2), chi = s.blob(3);
+    LevelSet<Dim> result;
+    if (s.integer(0) == Dim && pipeline::digest(u + chi) == s.text(4)) {
+        result.grid = DyadicGrid<Dim>(static_cast<int>(s.integer(1)));
+        result.values = uncompress(u, result.grid.node_count());
+        if (mask) {
+            *mask = {};
+            mask->grid = result.grid;
+            if (!chi.empty()) mask->values = uncompress(chi, result.grid.node_count());
+        }
+    }
+    if (result.values.empty()) {
+        throw StoreError(file(), "the level set of a shape is damaged (" + std::string(digest) + ")" + advice);
+    }
+    return result;
+}
+
+void ResultStore::remove_unused_level_sets() {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->database.execute("DELETE FROM level_sets WHERE digest NOT IN (SELECT content_digest FROM shapes)");
+}
+
+void ResultStore::put_settings(std::string_view hash, std::string_view text) {
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("INSERT OR IGNORE INTO settings VALUES(?, ?)");
+    s.bind(1, hash).bind(2, text).run();
+}
+
+std::optional<std::string> ResultStore::settings(std::string_view hash) const {
+    Statement s = impl_->database.prepare("SELECT text FROM settings WHERE hash = ?");
+    return s.bind(1, hash).step() ? std::optional(s.text(0)) : std::nullopt;
+}
+
+void ResultStore::put_geodesic(const StoredGeodesic& g) {
+    const std::string details = details_of(g);
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare(
+        "INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    s.bind(1, g.a).bind(2, g.b).bind(3, g.settings_hash).bind(4, g.failure).bind(5, to_string(g.termination));
+    s.bind(6, g.path_length).bind(7, g.path_energy).bind(8, g.total_energy).bind(9, g.error);
+    s.bind(10, g.extrapolated_length).bind(11, g.min_det).bind(12, g.seconds).bind(13, details);
+    s.bind(14, row_checksum(g, details)).run();
+}
+
+std::optional<StoredGeodesic> ResultStore::geodesic(std::string_view a, std::string_view b,
+                                                    std::string_view settings_hash) const {
+    Statement s = impl_->database.prepare("SELECT * FROM geodesics WHERE settings = ? AND a = ? AND b = ?");
+    if (!s.bind(1, settings_hash).bind(2, a).bind(3, b).step()) return std::nullopt;
+    auto [row, damage] = impl_->row(s);
+    if (!damage.empty()) return std::nullopt;
+    return row;
+}
+
+std::vector<StoredGeodesic> ResultStore::geodesics(std::string_view settings_hash, const OnDamage& on_damage) const {
+    Statement s = impl_->database.prepare("SELECT * FROM geodesics WHERE settings = ? ORDER BY a, b");
+    s.bind(1, settings_hash);
+    std::vector<StoredGeodesic> rows;
+    while (s.step()) {
+        auto [row, damage] = impl_->row(s);
+        if (damage.empty()) {
+            rows.push_back(std::move(row));
+        } else if (on_damage) {
+            on_damage(damage);
+        }
+    }
+    return rows;
+}
+
+std::set<std::pair<std::string, std::string>> ResultStore::stored_pairs(std::string_view settings_hash,
+                                                                        const OnDamage& on_damage) const {
+    std::set<std::pair<std::string, std::string>> keys;
+    for (StoredGeodesic& g : geodesics(settings_hash, on_damage)) keys.emplace(std::move(g.a), std::move(g.b));
+    return keys;
+}
+
+long ResultStore::remove_failures(std::string_view settings_hash) {
+    std::vector<std::pair<std::string, std::string>> failed;
+    for (const StoredGeodesic& g : geodesics(settings_hash)) {
+        if (!g.problem().empty()) failed.emplace_back(g.a, g.b);
+    }
+    const std::scoped_lock lock(impl_->mutex);
+    Transaction transaction(impl_->database);
+    Statement s = impl_->database.prepare("DELETE FROM geodesics WHERE settings = ? AND a = ? AND b = ?");
+    for (const auto& [a, b] : failed) s.bind(1, settings_hash).bind(2, a).bind(3, b).run();
+    transaction.commit();
+    return static_cast<long>(failed.size());
+}
+
+std::optional<std::string> ResultStore::picture(std::string_view key) const {
+    Statement s = impl_->database.prepare("SELECT bytes FROM pictures WHERE key = ?");
+    return s.bind(1, key).step() ? std::optional(s.blob(0)) : std::nullopt;
+}
+
+void ResultStore::put_picture(std::string_view key, std::string_view bytes) {
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO pictures VALUES(?, ?)");
+    s.bind(1, key).bind_blob(2, bytes).run();
+}
+
+template StoredGeodesic to_record<2>(const GeodesicResult<2>&, std::string, std::string, std::string);
+template StoredGeodesic to_record<3>(const GeodesicResult<3>&, std::string, std::string, std::string);
+template void ResultStore::put_level_set<2>(std::string_view, const LevelSet<2>&, const ScalarField<2>&);
+template void ResultStore::put_level_set<3>(std::string_view, const LevelSet<3>&, const ScalarField<3>&);
+template LevelSet<2> ResultStore::level_set<2>(std::string_view, ScalarField<2>*) const;
+template LevelSet<3> ResultStore::level_set<3>(std::string_view, ScalarField<3>*) const;
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "geodesic/discrete_geodesic.h"
+#include "pipeline/store_error.h"
+
+namespace morphodesic::pipeline {
+
+/// A file of the collection as the store knows it.
+struct StoredShape {
+    std::string name;            ///< path relative to the collection's folder
+    std::string path;            ///< where the file was when it was read
+    std::string label;           ///< class; empty if unknown
+    int dimension = 2;
+    std::string file_digest;     ///< of the file's bytes
+    std::string reading;         ///< digest of everything that decides what is read: file, mask, import options
+    std::string placing;         ///< digest of everything that decides the level set: reading, scale, grid
+    double extent_radius = 0.0;  ///< in file units; 0 if not measured
+    std::string content_digest;  ///< of the level set; empty if the file could not be used
+    double volume = 0.0;         ///< area (volume) in units of the cube
+    double scale = 1.0;          ///< cube units per file unit
+    std::vector<std::string> notes;
+    std::string problem;         ///< why the file could not be used; empty if it could
+};
+
+/// A solved pair, or the reason why there is no result. The path runs from the shape with digest a to the one with b.
+struct StoredGeodesic {
+    std::string a, b;           ///< content digests
+    std::string settings_hash;  ///< of the geodesic settings
+    std::string failure;        ///< what the solver threw; empty if it returned a result
+    Termination termination = Termination::converged;
+    std::string message;
+    double path_length = 0.0, path_energy = 0.0, total_energy = 0.0, error = 0.0, extrapolated_length = 0.0;
+    double min_det = 0.0;
+    double seconds = 0.0;
+    std::vector<double> deformation_energy, mismatch_energy;  ///< per step
+    std::vector<LevelReport> levels;
+    std::vector<double> rotation, translation;  ///< the motion applied to a: row-major matrix, vector
+
+    /// Why the path length must not be used as a distance; empty if it may.
+    [[nodiscard]] std::string problem() const;
+};
+
+/// The row of a solver result.
+template <int Dim>
+[[nodiscard]] StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::string b,
+                                       std::string settings_hash);
+
+/// The single truth of a study: one SQLite file. Every write is one transaction, so whatever happens to the process, a
+/// row is there completely or not at all. All methods throw StoreError; all may be called from several threads.
+class ResultStore {
+   public:
+    enum class Access { read, write };
+
+    /// Opens the store; with Access::write it is made if it is not there.
+    /// @throws StoreError also for a file of another schema version and for a damaged file
+    ResultStore(std::filesystem::path file, Access access);
+    ~ResultStore();
+    ResultStore(const ResultStore&) = delete;
+    ResultStore& operator=(const ResultStore&) = delete;
+
+    [[nodiscard]] const std::filesystem::path& file() const;
+
+    /// Facts on the whole study by key, e.g. "folder", "common_scale", "settings".
+    [[nodiscard]] std::optional<std::string> fact(std::string_view key) const;
+    void set_fact(std::string_view key, std::string_view value);
+
+    /// All files of the collection, sorted by name.
+    [[nodiscard]] std::vector<StoredShape> shapes() const;
+    /// Adds or replaces the file of that name.
+    void put_shape(const StoredShape& shape);
+    /// Takes files out of the collection; their geodesics stay for the day they come back.
+    void remove_shapes(const std::vector<std::string>& names);
+
+    /// Level sets by content digest, as 32-bit floats.
+    [[nodiscard]] bool has_level_set(std::string_view digest) const;
+    template <int Dim>
+    void put_level_set(std::string_view digest, const LevelSet<Dim>& level_set, const ScalarField<Dim>& mask);
+    /// @param mask  receives the occlusion mask (empty values if there is none) unless null
+    template <int Dim>
+    [[nodiscard]] LevelSet<Dim> level_set(std::string_view digest, ScalarField<Dim>* mask = nullptr) const;
+    /// Deletes level sets that no file of the collection has any more.
+    void remove_unused_level_sets();
+
+    /// Writes down what a settings hash stands for.
+    void put_settings(std::string_view hash, std::string_view text);
+    [[nodiscard]] std::optional<std::string> settings(std::string_view hash) const;
+
+    void put_geodesic(const StoredGeodesic& geodesic);
+    [[nodiscard]] std::optional<StoredGeodesic> geodesic(std::string_view a, std::string_view b,
+                                                         std::string_view settings_hash) const;
+    /// Every row of these settings, sorted by (a, b). Damaged rows are left out and handed to on_damage, if any.
+    using OnDamage = std::function<void(const std::string& sentence)>;
+    [[nodiscard]] std::vector<StoredGeodesic> geodesics(std::string_view settings_hash,
+                                                        const OnDamage& on_damage = {}) const;
+    /// Keys of the sound rows of these settings.
+    [[nodiscard]] std::set<std::pair<std::string, std::string>> stored_pairs(std::string_view settings_hash,
+                                                                             const OnDamage& on_damage = {}) const;
+    /// Forgets the failed rows of these settings, so that they are tried again. Returns how many there were.
+    long remove_failures(std::string_view settings_hash);
+
+    /// Pictures that were drawn already, by any key.
+    [[nodiscard]] std::optional<std::string> picture(std::string_view key) const;
+    void put_picture(std::string_view key, std::string_view bytes);
+
+   private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Version of the tables; a store of another version is refused with advice.
+inline constexpr int store_version = 1;
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,118 @@
+#include "pipeline/run_settings.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+#include <stdexcept>
+#include <type_traits>
+
+#include "pipeline/digest.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+std::string value_text(bool value) { return value ? "true" : "false"; }
+std::string value_text(int value) { return std::to_string(value); }
+std::string value_text(double value) {
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+    std::string text(buffer, end);
+    // TOML tells floats from integers by the point or the exponent.
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
+    return text;
+}
+std::string value_text(const std::string& value) {
+    std::ostringstream text;
+    text << toml::value<std::string>(value);
+    return text.str();
+}
+
+template <class Options>
+std::string lines_of(const Options& options) {
+    std::string text;
+    Options::for_each_field(options, [&](const char* name, const auto& value, const char*) {
+        text += std::string(name) + " = " + value_text(value) + "\n";
+    });
+    return text;
+}
+
+}  // namespace
+
+std::vector<std::string> RunSettings::problems() const {
+    std::vector<std::string> found = datasets::ScanOptions{labels}.problems();
+    const auto add = [&](const std::vector<std::string>& more) { found.insert(found.end(), more.begin(), more.end()); };
+    add(import.problems());
+    datasets::NormalizeOptions place;
+    place.mode = normalize;
+    add(place.problems());
+    add(geodesic.problems());
+    return found;
+}
+
+const std::vector<Preset>& presets() {
+    static const std::vector<Preset> all{
+        {"fast", "level 5, 2 steps: a first look; about a tenth of the cost of standard, distances some 10 % short", 5, 2,
+         1e-2, 2},
+        {"standard", "level 6, 4 steps: for studies; about ten 2D pairs a second on two cores, distances some 5 % short", 6,
+         4, 3e-3, 3},
+        {"fine", "level 7, 8 steps: for figures and final numbers; about ten times the cost of standard, some 3 % short", 7,
+         8, 1e-3, 3},
+    };
+    return all;
+}
+
+RunSettings settings_of_preset(const std::string& name) {
+    for (const Preset& preset : presets()) {
+        if (name != preset.name) continue;
+        RunSettings settings;
+        settings.preset = name;
+        settings.geodesic.level = preset.level;
+        settings.geodesic.time_steps = preset.time_steps;
+        settings.geodesic.tolerance = preset.tolerance;
+        settings.geodesic.starts = preset.starts;
+        return settings;
+    }
+    throw std::invalid_argument("there is no preset \"" + name + "\"; choose fast, standard or fine");
+}
+
+std::string canonical_text(const RunSettings& settings) {
+    return "preset = " + value_text(settings.preset) + "\n" + lines_of(settings);
+}
+std::string canonical_text(const GeodesicOptions& options) { return lines_of(options); }
+std::string canonical_text(const datasets::ImportOptions& options) { return lines_of(options); }
+
+std::string settings_hash(const GeodesicOptions& options) {
+    return digest("solver revision " + std::to_string(solver_revision) + "\n" + lines_of(options));
+}
+
+RunSettings settings_from_text(const std::string& text) {
+    const toml::table table = [&] {
+        try {
+            return toml::parse(text);
+        } catch (const toml::parse_error& error) {
+            throw std::invalid_argument("the settings cannot be read: " + std::string(error.description()));
+        }
+    }();
+    RunSettings settings;
+    std::size_t used = 0;
+    const auto take = [&](const char* name, auto& field, const char*) {
+        const auto* node = table.get(name);
+        if (!node) return;
+        ++used;
+        const auto value = node->value<std::decay_t<decltype(field)>>();
+        if (!value) throw std::invalid_argument("the value of " + std::string(name) + " cannot be read");
+        field = *value;
+    };
+    take("preset", settings.preset, "");
+    RunSettings::for_each_field(settings, take);
+    if (used != table.size()) throw std::invalid_argument("there is a setting this program does not know");
+    return settings;
+}
+
+int shape_level(int dimension, const GeodesicOptions& options) {
+    return dimension == 2 ? std::max(options.level, 7) : options.level;
+}
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/import.h"
+#include "geodesic/solver/geodesic_options.h"
+
+namespace morphodesic::pipeline {
+
+/// Everything that decides the numbers of a study: how files are read, placed and compared.
+struct RunSettings {
+    std::string preset = "standard";   ///< fast | standard | fine: where the defaults come from; other options overrule
+    std::string labels = "auto";       ///< datasets::ScanOptions::labels
+    datasets::ImportOptions import;
+    std::string normalize = "common";  ///< datasets::NormalizeOptions::mode
+    GeodesicOptions geodesic;
+
+    /// visit(name, field, help) for every option, in the order of --help. The preset is not among them.
+    template <class Self, class Visitor>
+    static void for_each_field(Self& self, Visitor&& visit) {
+        visit("labels", self.labels, "where class labels come from: auto, csv (labels.csv), folder, name or none");
+        datasets::ImportOptions::for_each_field(self.import, visit);
+        visit("normalize", self.normalize,
+              "size of the shapes: common (one scale for all), each (unit area or volume), none (the image is the cube)");
+        GeodesicOptions::for_each_field(self.geodesic, visit);
+    }
+    /// Every violated constraint, in words; empty if the settings are usable.
+    [[nodiscard]] std::vector<std::string> problems() const;
+};
+
+/// A named trade of time against accuracy.
+struct Preset {
+    const char* name;
+    const char* help;  ///< what it costs and how exact it is
+    int level;
+    int time_steps;
+    double tolerance;
+    int starts;
+};
+[[nodiscard]] const std::vector<Preset>& presets();
+
+/// The settings of a preset. @throws std::invalid_argument if there is no such preset
+[[nodiscard]] RunSettings settings_of_preset(const std::string& name);
+
+/// One "name = value" line per field, valid TOML, doubles in the shortest form that reads back exactly. The text of equal
+/// options is equal; `--config` reads it.
+[[nodiscard]] std::string canonical_text(const RunSettings& settings);
+[[nodiscard]] std::string canonical_text(const GeodesicOptions& options);
+[[nodiscard]] std::string canonical_text(const datasets::ImportOptions& options);
+
+/// Name of the geodesic settings in the store: digest of their canonical text and of the solver's revision.
+[[nodiscard]] std::string settings_hash(const GeodesicOptions& options);
+
+/// The settings that a canonical text describes. @throws std::invalid_argument naming an unknown or unreadable line
+[[nodiscard]] RunSettings settings_from_text(const std::string& text);
+
+/// Level of the grid on which shapes are kept: that of the solver, and in 2D not below 7, so that a study can go to
+/// finer levels without reading the files again and pictures are smooth.
+[[nodiscard]] int shape_level(int dimension, const GeodesicOptions& options);
+
+/// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
+/// different solvers never share a matrix.
+inline constexpr int solver_revision = 1;
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,89 @@
+#include "pipeline/study_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace morphodesic::pipeline {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string remedy(int error) {
+    const std::string what = std::strerror(error);
+    if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
+        return "cannot be written: " + what +
+               "; nothing that was computed is lost: free some space, then give the same command again";
+    }
+    return "cannot be written: " + what + "; check its permissions, or choose another study folder with --out";
+}
+
+}  // namespace
+
+StudyFolder StudyFolder::of_collection(const fs::path& collection) {
+    fs::path folder = fs::absolute(collection).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();
+    folder += ".study";
+    return StudyFolder(folder);
+}
+
+void StudyFolder::create() const {
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error || !fs::is_directory(path_)) {
+        throw StoreError(path_, "the study folder cannot be made: " + (error ? error.message() : "there is a file of that name") +
+                                    "; choose another one with --out");
+    }
+}
+
+void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
+    const fs::path target = path_ / name;
+    std::error_code ignored;
+    fs::create_directories(target.parent_path(), ignored);
+    const std::string temporary = target.string() + ".part";
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) throw StoreError(target, remedy(errno));
+    int error = 0;
+    for (std::size_t done = 0; done < bytes.size() && error == 0;) {
+        const ssize_t written = ::write(file, bytes.data() + done, bytes.size() - done);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) error = errno;
+        else done += static_cast<std::size_t>(written);
+    }
+    if (::close(file) != 0 && error == 0) error = errno;
+    if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+    if (error != 0) {
+        ::unlink(temporary.c_str());
+        throw StoreError(target, remedy(error));
+    }
+}
+
+StudyLock::StudyLock(const StudyFolder& folder) {
+    const fs::path file = folder.path() / "study.lock";
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) throw StoreError(file, remedy(errno));
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        char owner[256] = {};
+        const ssize_t size = ::read(descriptor_, owner, sizeof owner - 1);
+        ::close(descriptor_);
+        throw StoreError(file, "another process works on this study (" +
+                                   (size > 0 ? std::string(owner, static_cast<std::size_t>(size)) : "unknown") +
+                                   "); wait until it is done, or choose another study folder with --out");
+    }
+    char host[128] = "unknown";
+    ::gethostname(host, sizeof host - 1);
+    const std::string owner = "process " + std::to_string(::getpid()) + " on " + host;
+    // For the message of a second process only; the lock itself does not depend on it.
+    if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, owner.data(), owner.size(), 0) < 0) return;
+}
+
+StudyLock::~StudyLock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+}  // namespace morphodesic::pipeline

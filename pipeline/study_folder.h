@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "pipeline/store_error.h"
+
+namespace morphodesic::pipeline {
+
+/// Names of what a study folder holds.
+class StudyFolder {
+   public:
+    explicit StudyFolder(std::filesystem::path path) : path_(std::move(path)) {}
+
+    /// The study folder of a collection: beside it, with the ending .study.
+    [[nodiscard]] static StudyFolder of_collection(const std::filesystem::path& collection);
+
+    /// Makes the folder if it is not there. @throws StoreError if that is not possible
+    void create() const;
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::filesystem::path store() const { return path_ / "study.sqlite"; }
+    [[nodiscard]] std::filesystem::path paths() const { return path_ / "paths"; }
+
+    /// Writes a file of the study so that a reader sees the old or the new one, never a half.
+    /// @param name  relative to the study folder; folders are made
+    /// @throws StoreError if the disk is full or the folder may not be written
+    void write(const std::filesystem::path& name, std::string_view bytes) const;
+
+   private:
+    std::filesystem::path path_;
+};
+
+/// Held by the one process that works on a study. A second one is told who is at work and ends; when a process dies, its
+/// lock goes with it.
+class StudyLock {
+   public:
+    /// @throws StoreError if another process holds the lock or the folder may not be written
+    explicit StudyLock(const StudyFolder& folder);
+    ~StudyLock();
+    StudyLock(const StudyLock&) = delete;
+    StudyLock& operator=(const StudyLock&) = delete;
+
+   private:
+    int descriptor_ = -1;
+};
+
+}  // namespace morphodesic::pipeline
