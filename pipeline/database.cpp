@@ -42,7 +42,8 @@ namespace {
             throw StoreError(file, "is damaged or not a study's store (" + said +
                                        "); move it away and run the study again, or restore a copy. What can still be "
                                        "read is shown by: sqlite3 FILE .recover");
-        default: throw StoreError(file, "SQLite says: " + said);
+        default:
+            throw StoreError(file, "SQLite says: " + said);
     }
 }
 
@@ -50,12 +51,13 @@ namespace {
 
 Statement::Statement(sqlite3* connection, std::filesystem::path file, std::string_view sql)
     : connection_(connection), file_(std::move(file)) {
-    const int code =
-        sqlite3_prepare_v2(connection, sql.data(), static_cast<int>(sql.size()), &statement_, nullptr);
+    const int code = sqlite3_prepare_v2(connection, sql.data(), static_cast<int>(sql.size()), &statement_, nullptr);
     if (code != SQLITE_OK) fail(file_, connection_, code);
 }
 
-Statement::~Statement() { sqlite3_finalize(statement_); }
+Statement::~Statement() {
+    sqlite3_finalize(statement_);
+}
 
 Statement::Statement(Statement&& other) noexcept
     : connection_(other.connection_), statement_(std::exchange(other.statement_, nullptr)), file_(other.file_) {}
@@ -81,8 +83,8 @@ Statement& Statement::bind(int parameter, long long value) {
 }
 
 Statement& Statement::bind_blob(int parameter, std::string_view bytes) {
-    const int code = sqlite3_bind_blob64(statement_, parameter, bytes.data() ? bytes.data() : "", bytes.size(),
-                                         SQLITE_TRANSIENT);
+    const int code =
+        sqlite3_bind_blob64(statement_, parameter, bytes.data() ? bytes.data() : "", bytes.size(), SQLITE_TRANSIENT);
     if (code != SQLITE_OK) fail(file_, connection_, code);
     return *this;
 }
@@ -115,7 +117,9 @@ double Statement::number(int column) const {
     return is_null(column) ? std::numeric_limits<double>::quiet_NaN() : sqlite3_column_double(statement_, column);
 }
 
-long long Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+long long Statement::integer(int column) const {
+    return sqlite3_column_int64(statement_, column);
+}
 
 std::string Statement::blob(int column) const {
     const void* bytes = sqlite3_column_blob(statement_, column);
@@ -123,11 +127,13 @@ std::string Statement::blob(int column) const {
     return bytes ? std::string(static_cast<const char*>(bytes), size) : std::string();
 }
 
-bool Statement::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+bool Statement::is_null(int column) const {
+    return sqlite3_column_type(statement_, column) == SQLITE_NULL;
+}
 
 Database::Database(std::filesystem::path file, bool writable) : file_(std::move(file)) {
-    const int flags = SQLITE_OPEN_FULLMUTEX |
-                      (writable ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY);
+    const int flags =
+        SQLITE_OPEN_FULLMUTEX | (writable ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY);
     const int code = sqlite3_open_v2(file_.c_str(), &connection_, flags, nullptr);
     if (code != SQLITE_OK) {
         const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> closer(connection_, &sqlite3_close_v2);
@@ -137,9 +143,13 @@ Database::Database(std::filesystem::path file, bool writable) : file_(std::move(
     sqlite3_busy_timeout(connection_, 10000);
 }
 
-Database::~Database() { sqlite3_close_v2(connection_); }
+Database::~Database() {
+    sqlite3_close_v2(connection_);
+}
 
-Statement Database::prepare(std::string_view sql) const { return Statement(connection_, file_, sql); }
+Statement Database::prepare(std::string_view sql) const {
+    return Statement(connection_, file_, sql);
+}
 
 void Database::execute(const std::string& sql) const {
     const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);

@@ -14,7 +14,7 @@ namespace morphodesic::pipeline {
 
 /// A prepared statement. Parameters are bound from 1 on, columns are read from 0 on, as in SQLite.
 class Statement {
-   public:
+public:
     Statement(sqlite3* connection, std::filesystem::path file, std::string_view sql);
     ~Statement();
     Statement(Statement&& other) noexcept;
@@ -40,7 +40,7 @@ class Statement {
     [[nodiscard]] std::string blob(int column) const;
     [[nodiscard]] bool is_null(int column) const;
 
-   private:
+private:
     sqlite3* connection_;
     sqlite3_stmt* statement_ = nullptr;
     std::filesystem::path file_;
@@ -48,7 +48,7 @@ class Statement {
 
 /// A connection to one SQLite file. Every failure is a StoreError that says what to do.
 class Database {
-   public:
+public:
     /// @param writable  opens for writing (creating the file if it is not there); else read-only
     Database(std::filesystem::path file, bool writable);
     ~Database();
@@ -59,14 +59,14 @@ class Database {
     void execute(const std::string& sql) const;
     [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
-   private:
+private:
     std::filesystem::path file_;
     sqlite3* connection_ = nullptr;
 };
 
 /// BEGIN IMMEDIATE ... COMMIT; rolls back if commit() is not reached.
 class Transaction {
-   public:
+public:
     explicit Transaction(const Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
     ~Transaction();
     Transaction(const Transaction&) = delete;
@@ -76,7 +76,7 @@ class Transaction {
         open_ = false;
     }
 
-   private:
+private:
     const Database& database_;
     bool open_ = true;
 };

@@ -93,7 +93,8 @@ void Progress::end_pairs() {
     if (done_ > 0) {
         const double seconds = clock_() - begin_;
         char rate[64] = "";
-        if (seconds > 0) std::snprintf(rate, sizeof rate, ", %.3g pairs a second", static_cast<double>(done_) / seconds);
+        if (seconds > 0)
+            std::snprintf(rate, sizeof rate, ", %.3g pairs a second", static_cast<double>(done_) / seconds);
         write_(std::to_string(done_) + " pairs computed in " + duration_text(seconds) + rate + "\n");
     }
 }
@@ -107,8 +108,9 @@ void Progress::show_count() {
     const double rate = static_cast<double>(done_) / std::max(clock_() - begin_, 1e-9);
     char text[160];
     const std::string left = duration_text(static_cast<double>(missing_ - done_) / rate);
-    const int size = std::snprintf(text, sizeof text, "%ld of %ld pairs (%.0f %%), %.3g a second, %s left", done_, missing_,
-                                   100.0 * static_cast<double>(done_) / static_cast<double>(missing_), rate, left.c_str());
+    const int size =
+        std::snprintf(text, sizeof text, "%ld of %ld pairs (%.0f %%), %.3g a second, %s left", done_, missing_,
+                      100.0 * static_cast<double>(done_) / static_cast<double>(missing_), rate, left.c_str());
     std::string line(text, static_cast<std::size_t>(size));
     if (failed_ > 0) line += ", " + std::to_string(failed_) + " without a distance";
     if (style_ == Style::terminal) {

@@ -10,7 +10,7 @@ namespace morphodesic::pipeline {
 /// Tells the user how far a run is: on a terminal one line that is rewritten, in a log a plain line now and then.
 /// May be called from several threads.
 class Progress {
-   public:
+public:
     enum class Style { silent, lines, terminal };
     using Write = std::function<void(const std::string& text)>;
     using Clock = std::function<double()>;  ///< seconds that only grow
@@ -33,7 +33,7 @@ class Progress {
 
     [[nodiscard]] double seconds_since_begin() const;
 
-   private:
+private:
     void show_count();
     void clear_line();
 

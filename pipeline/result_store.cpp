@@ -35,7 +35,9 @@ CREATE TABLE pictures(key TEXT PRIMARY KEY, bytes BLOB NOT NULL);
 )";
 
 /// NaN and infinities have no JSON number; they travel as strings.
-json number_to_json(double x) { return std::isfinite(x) ? json(x) : json(std::isnan(x) ? "nan" : x > 0 ? "inf" : "-inf"); }
+json number_to_json(double x) {
+    return std::isfinite(x) ? json(x) : json(std::isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
+}
 
 double number_from_json(const json& j) {
     if (j.is_number()) return j.get<double>();
@@ -114,8 +116,8 @@ std::string row_checksum(const StoredGeodesic& g, const std::string& details) {
     std::string bytes;
     for (const std::string* text : {&g.a, &g.b, &g.settings_hash, &g.failure, &details}) bytes += *text + '\n';
     bytes += to_string(g.termination);
-    for (const double x : {g.path_length, g.path_energy, g.total_energy, g.error, g.extrapolated_length, g.min_det,
-                           g.seconds}) {
+    for (const double x :
+         {g.path_length, g.path_energy, g.total_energy, g.error, g.extrapolated_length, g.min_det, g.seconds}) {
         const double canonical = std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x;
         bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
     }
@@ -151,7 +153,8 @@ std::string StoredGeodesic::problem() const {
     if (termination == Termination::no_descent) return "not converged: the line search found no descent";
     if (termination == Termination::cancelled) return "cancelled";
     if (!std::isfinite(path_length)) return "the path length is not finite";
-    if (!(min_det > 0)) return "the deformations are not certified to be one-to-one (min det " + std::to_string(min_det) + ")";
+    if (!(min_det > 0))
+        return "the deformations are not certified to be one-to-one (min det " + std::to_string(min_det) + ")";
     return {};
 }
 
@@ -191,13 +194,14 @@ struct ResultStore::Impl {
             database.execute("PRAGMA user_version = " + std::to_string(store_version));
             transaction.commit();
         } else if (version == 0 || pragma("application_id") != application_id) {
-            throw StoreError(database.file(), "is not the store of a morphodesic study; choose another folder with --out");
-        } else if (version != store_version) {
             throw StoreError(database.file(),
-                             "was written by " + std::string(version > store_version ? "a newer" : "an older") +
-                                 " morphodesic (store version " + std::to_string(version) + ", this program reads " +
-                                 std::to_string(store_version) +
-                                 "); use that program, or make a new study with --out OTHER_FOLDER");
+                             "is not the store of a morphodesic study; choose another folder with --out");
+        } else if (version != store_version) {
+            throw StoreError(database.file(), "was written by " +
+                                                  std::string(version > store_version ? "a newer" : "an older") +
+                                                  " morphodesic (store version " + std::to_string(version) +
+                                                  ", this program reads " + std::to_string(store_version) +
+                                                  "); use that program, or make a new study with --out OTHER_FOLDER");
         }
         if (access == Access::write) {
             // A commit survives the death of the process at once, and a power cut up to the last checkpoint; either way
@@ -207,9 +211,10 @@ struct ResultStore::Impl {
         }
         Statement check = database.prepare("PRAGMA quick_check(1)");
         if (check.step() && check.text(0) != "ok") {
-            throw StoreError(database.file(), "is damaged (" + check.text(0) +
-                                                  "); move it away and run the study again, or restore a copy. What can "
-                                                  "still be read is shown by: sqlite3 FILE .recover");
+            throw StoreError(database.file(),
+                             "is damaged (" + check.text(0) +
+                                 "); move it away and run the study again, or restore a copy. What can "
+                                 "still be read is shown by: sqlite3 FILE .recover");
         }
     }
     [[nodiscard]] long long pragma(const std::string& name) const {
@@ -233,7 +238,8 @@ struct ResultStore::Impl {
         g.seconds = s.number(11);
         const std::string details = s.text(12);
         if (row_checksum(g, details) != s.text(13)) {
-            return {g, database.file().string() + ": the stored result of a pair is damaged (" + g.a + ", " + g.b + ")"};
+            return {g,
+                    database.file().string() + ": the stored result of a pair is damaged (" + g.a + ", " + g.b + ")"};
         }
         read_details(details, g);
         return {g, ""};
@@ -252,7 +258,9 @@ ResultStore::ResultStore(fs::path file, Access access) {
 }
 ResultStore::~ResultStore() = default;
 
-const fs::path& ResultStore::file() const { return impl_->database.file(); }
+const fs::path& ResultStore::file() const {
+    return impl_->database.file();
+}
 
 std::optional<std::string> ResultStore::fact(std::string_view key) const {
     Statement s = impl_->database.prepare("SELECT value FROM study WHERE key = ?");
@@ -267,14 +275,15 @@ void ResultStore::set_fact(std::string_view key, std::string_view value) {
 
 std::vector<StoredShape> ResultStore::shapes() const {
     Statement s = impl_->database.prepare(
-        "SELECT name, path, label, dimension, file_digest, reading, placing, extent_radius, content_digest, volume, scale, "
+        "SELECT name, path, label, dimension, file_digest, reading, placing, extent_radius, content_digest, volume, "
+        "scale, "
         "notes, problem "
         "FROM shapes ORDER BY name");
     std::vector<StoredShape> shapes;
     while (s.step()) {
-        StoredShape shape{s.text(0),   s.text(1), s.text(2),   static_cast<int>(s.integer(3)),
-                          s.text(4),   s.text(5), s.text(6),   s.number(7),
-                          s.text(8),   s.number(9), s.number(10), {},
+        StoredShape shape{s.text(0), s.text(1),   s.text(2),    static_cast<int>(s.integer(3)),
+                          s.text(4), s.text(5),   s.text(6),    s.number(7),
+                          s.text(8), s.number(9), s.number(10), {},
                           s.text(12)};
         for (const json& note : json::parse(s.text(11))) shape.notes.push_back(note.get<std::string>());
         shapes.push_back(std::move(shape));
@@ -284,7 +293,8 @@ std::vector<StoredShape> ResultStore::shapes() const {
 
 void ResultStore::put_shape(const StoredShape& shape) {
     const std::scoped_lock lock(impl_->mutex);
-    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement s =
+        impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     s.bind(1, shape.name).bind(2, shape.path).bind(3, shape.label).bind(4, shape.dimension).bind(5, shape.file_digest);
     s.bind(6, shape.reading).bind(7, shape.placing).bind(8, shape.extent_radius).bind(9, shape.content_digest);
     s.bind(10, shape.volume).bind(11, shape.scale);
@@ -357,8 +367,8 @@ std::optional<std::string> ResultStore::settings(std::string_view hash) const {
 void ResultStore::put_geodesic(const StoredGeodesic& g) {
     const std::string details = details_of(g);
     const std::scoped_lock lock(impl_->mutex);
-    Statement s = impl_->database.prepare(
-        "INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement s =
+        impl_->database.prepare("INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     s.bind(1, g.a).bind(2, g.b).bind(3, g.settings_hash).bind(4, g.failure).bind(5, to_string(g.termination));
     s.bind(6, g.path_length).bind(7, g.path_energy).bind(8, g.total_energy).bind(9, g.error);
     s.bind(10, g.extrapolated_length).bind(11, g.min_det).bind(12, g.seconds).bind(13, details);

@@ -17,9 +17,9 @@ namespace morphodesic::pipeline {
 
 /// A file of the collection as the store knows it.
 struct StoredShape {
-    std::string name;            ///< path relative to the collection's folder
-    std::string path;            ///< where the file was when it was read
-    std::string label;           ///< class; empty if unknown
+    std::string name;   ///< path relative to the collection's folder
+    std::string path;   ///< where the file was when it was read
+    std::string label;  ///< class; empty if unknown
     int dimension = 2;
     std::string file_digest;     ///< of the file's bytes
     std::string reading;         ///< digest of everything that decides what is read: file, mask, import options
@@ -29,7 +29,7 @@ struct StoredShape {
     double volume = 0.0;         ///< area (volume) in units of the cube
     double scale = 1.0;          ///< cube units per file unit
     std::vector<std::string> notes;
-    std::string problem;         ///< why the file could not be used; empty if it could
+    std::string problem;  ///< why the file could not be used; empty if it could
 };
 
 /// A solved pair, or the reason why there is no result. The path runs from the shape with digest a to the one with b.
@@ -58,7 +58,7 @@ template <int Dim>
 /// The single truth of a study: one SQLite file. Every write is one transaction, so whatever happens to the process, a
 /// row is there completely or not at all. All methods throw StoreError; all may be called from several threads.
 class ResultStore {
-   public:
+public:
     enum class Access { read, write };
 
     /// Opens the store; with Access::write it is made if it is not there.
@@ -112,7 +112,7 @@ class ResultStore {
     [[nodiscard]] std::optional<std::string> picture(std::string_view key) const;
     void put_picture(std::string_view key, std::string_view bytes);
 
-   private:
+private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -13,8 +13,12 @@
 namespace morphodesic::pipeline {
 namespace {
 
-std::string value_text(bool value) { return value ? "true" : "false"; }
-std::string value_text(int value) { return std::to_string(value); }
+std::string value_text(bool value) {
+    return value ? "true" : "false";
+}
+std::string value_text(int value) {
+    return std::to_string(value);
+}
 std::string value_text(double value) {
     char buffer[32];
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
@@ -53,12 +57,14 @@ std::vector<std::string> RunSettings::problems() const {
 
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> all{
-        {"fast", "level 5, 2 steps: a first look; about a tenth of the cost of standard, distances some 10 % short", 5, 2,
-         1e-2, 2},
-        {"standard", "level 6, 4 steps: for studies; about ten 2D pairs a second on two cores, distances some 5 % short", 6,
-         4, 3e-3, 3},
-        {"fine", "level 7, 8 steps: for figures and final numbers; about ten times the cost of standard, some 3 % short", 7,
-         8, 1e-3, 3},
+        {"fast", "level 5, 2 steps: a first look; about a tenth of the cost of standard, distances some 10 % short", 5,
+         2, 1e-2, 2},
+        {"standard",
+         "level 6, 4 steps: for studies; about ten 2D pairs a second on two cores, distances some 5 % short", 6, 4,
+         3e-3, 3},
+        {"fine",
+         "level 7, 8 steps: for figures and final numbers; about ten times the cost of standard, some 3 % short", 7, 8,
+         1e-3, 3},
     };
     return all;
 }
@@ -80,8 +86,12 @@ RunSettings settings_of_preset(const std::string& name) {
 std::string canonical_text(const RunSettings& settings) {
     return "preset = " + value_text(settings.preset) + "\n" + lines_of(settings);
 }
-std::string canonical_text(const GeodesicOptions& options) { return lines_of(options); }
-std::string canonical_text(const datasets::ImportOptions& options) { return lines_of(options); }
+std::string canonical_text(const GeodesicOptions& options) {
+    return lines_of(options);
+}
+std::string canonical_text(const datasets::ImportOptions& options) {
+    return lines_of(options);
+}
 
 std::string settings_hash(const GeodesicOptions& options) {
     return digest("solver revision " + std::to_string(solver_revision) + "\n" + lines_of(options));

@@ -11,8 +11,8 @@ namespace morphodesic::pipeline {
 
 /// Everything that decides the numbers of a study: how files are read, placed and compared.
 struct RunSettings {
-    std::string preset = "standard";   ///< fast | standard | fine: where the defaults come from; other options overrule
-    std::string labels = "auto";       ///< datasets::ScanOptions::labels
+    std::string preset = "standard";  ///< fast | standard | fine: where the defaults come from; other options overrule
+    std::string labels = "auto";      ///< datasets::ScanOptions::labels
     datasets::ImportOptions import;
     std::string normalize = "common";  ///< datasets::NormalizeOptions::mode
     GeodesicOptions geodesic;
@@ -22,8 +22,9 @@ struct RunSettings {
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("labels", self.labels, "where class labels come from: auto, csv (labels.csv), folder, name or none");
         datasets::ImportOptions::for_each_field(self.import, visit);
-        visit("normalize", self.normalize,
-              "size of the shapes: common (one scale for all), each (unit area or volume), none (the image is the cube)");
+        visit(
+            "normalize", self.normalize,
+            "size of the shapes: common (one scale for all), each (unit area or volume), none (the image is the cube)");
         GeodesicOptions::for_each_field(self.geodesic, visit);
     }
     /// Every violated constraint, in words; empty if the settings are usable.
@@ -44,8 +45,8 @@ struct Preset {
 /// The settings of a preset. @throws std::invalid_argument if there is no such preset
 [[nodiscard]] RunSettings settings_of_preset(const std::string& name);
 
-/// One "name = value" line per field, valid TOML, doubles in the shortest form that reads back exactly. The text of equal
-/// options is equal; `--config` reads it.
+/// One "name = value" line per field, valid TOML, doubles in the shortest form that reads back exactly. The text of
+/// equal options is equal; `--config` reads it.
 [[nodiscard]] std::string canonical_text(const RunSettings& settings);
 [[nodiscard]] std::string canonical_text(const GeodesicOptions& options);
 [[nodiscard]] std::string canonical_text(const datasets::ImportOptions& options);

@@ -27,6 +27,8 @@ void StopSignals::install() {
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
-int StopSignals::caught() { return stop_signal.load(); }
+int StopSignals::caught() {
+    return stop_signal.load();
+}
 
 }  // namespace morphodesic::pipeline

@@ -36,8 +36,9 @@ void StudyFolder::create() const {
     std::error_code error;
     fs::create_directories(path_, error);
     if (error || !fs::is_directory(path_)) {
-        throw StoreError(path_, "the study folder cannot be made: " + (error ? error.message() : "there is a file of that name") +
-                                    "; choose another one with --out");
+        throw StoreError(
+            path_, "the study folder cannot be made: " + (error ? error.message() : "there is a file of that name") +
+                       "; choose another one with --out");
     }
 }
 
@@ -52,8 +53,10 @@ void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
     for (std::size_t done = 0; done < bytes.size() && error == 0;) {
         const ssize_t written = ::write(file, bytes.data() + done, bytes.size() - done);
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0) error = errno;
-        else done += static_cast<std::size_t>(written);
+        if (written < 0)
+            error = errno;
+        else
+            done += static_cast<std::size_t>(written);
     }
     if (::close(file) != 0 && error == 0) error = errno;
     if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;

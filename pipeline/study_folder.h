@@ -10,7 +10,7 @@ namespace morphodesic::pipeline {
 
 /// Names of what a study folder holds.
 class StudyFolder {
-   public:
+public:
     explicit StudyFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
     /// The study folder of a collection: beside it, with the ending .study.
@@ -28,21 +28,21 @@ class StudyFolder {
     /// @throws StoreError if the disk is full or the folder may not be written
     void write(const std::filesystem::path& name, std::string_view bytes) const;
 
-   private:
+private:
     std::filesystem::path path_;
 };
 
-/// Held by the one process that works on a study. A second one is told who is at work and ends; when a process dies, its
-/// lock goes with it.
+/// Held by the one process that works on a study. A second one is told who is at work and ends; when a process dies,
+/// its lock goes with it.
 class StudyLock {
-   public:
+public:
     /// @throws StoreError if another process holds the lock or the folder may not be written
     explicit StudyLock(const StudyFolder& folder);
     ~StudyLock();
     StudyLock(const StudyLock&) = delete;
     StudyLock& operator=(const StudyLock&) = delete;
 
-   private:
+private:
     int descriptor_ = -1;
 };
 

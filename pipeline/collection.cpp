@@ -1,0 +1,227 @@
+#include "pipeline/collection.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <set>
+
+#include "pipeline/digest.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string exact(double x) {
+    char buffer[32];
+    return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+double exact_from(const std::string& text) {
+    double x = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), x);
+    return x;
+}
+
+/// Everything that decides what is read from a file.
+std::string reading_digest(const datasets::ShapeSource& source, const std::string& file_digest,
+                           const datasets::ImportOptions& options) {
+    std::string text = file_digest + "\n" + canonical_text(options);
+    if (!source.mask_path.empty()) text += "mask " + datasets::file_digest(source.mask_path);
+    return digest(text);
+}
+
+std::string placing_digest(const std::string& reading, const datasets::NormalizeOptions& placement) {
+    return digest(reading + "\n" + placement.mode + " " + exact(placement.scale) + " " +
+                  std::to_string(placement.level));
+}
+
+/// Of the two dimensions the one with more files; the others are left out, and that is said.
+int choose_dimension(std::vector<datasets::ShapeSource>& sources, std::vector<std::string>& left_out) {
+    const auto solids = std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; });
+    const int dimension = 2 * static_cast<std::size_t>(solids) > sources.size() ? 3 : 2;
+    std::erase_if(sources, [&](const datasets::ShapeSource& s) {
+        if (s.dimension == dimension) return false;
+        left_out.push_back(s.path.string() + ": is " + (dimension == 2 ? "a 3D" : "a 2D") + " shape among " +
+                           (dimension == 2 ? "images" : "3D shapes") + "; put the two kinds into folders of their own");
+        return true;
+    });
+    return dimension;
+}
+
+/// Digests of the files, and what the store knows of them.
+void look_at_file(CollectionEntry& entry, const StoredShape* known, const datasets::ImportOptions& options) {
+    StoredShape& row = entry.row;
+    if (known) row = *known;
+    row.name = entry.source.name;
+    row.path = entry.source.path.string();
+    row.label = entry.source.label;
+    row.dimension = entry.source.dimension;
+    row.problem.clear();
+    try {
+        row.file_digest = datasets::file_digest(entry.source.path);
+        const std::string reading = reading_digest(entry.source, row.file_digest, options);
+        if (reading == row.reading) return;
+        row.reading = reading;
+    } catch (const datasets::ReadError& error) {
+        row.problem = error.what();
+        row.reading.clear();
+    }
+    row.extent_radius = 0.0;
+    row.content_digest.clear();
+    row.placing.clear();
+}
+
+template <int Dim>
+void measure(CollectionEntry& entry, const datasets::ImportOptions& options) {
+    try {
+        entry.row.extent_radius = datasets::read_shape<Dim>(entry.source, options).extent_radius;
+    } catch (const datasets::ReadError& error) {
+        entry.row.problem = error.what();
+    } catch (const std::bad_alloc&) {
+        entry.row.problem = entry.row.path + ": not enough memory to read it; use a smaller file";
+    }
+}
+
+/// The scale of the collection: the frozen one where all shapes fit, else a new one.
+double settle_scale(const Collection& collection, const std::string& scale_key, ResultStore& store,
+                    std::vector<std::string>& remarks) {
+    std::vector<double> radii;
+    for (const CollectionEntry& entry : collection.entries) {
+        if (entry.row.problem.empty()) radii.push_back(entry.row.extent_radius);
+    }
+    if (radii.empty()) return 0.0;
+    const double needed = datasets::common_scale(radii);
+    const auto frozen = store.fact("common_scale");
+    if (frozen && store.fact("common_scale_key") == scale_key) {
+        const double scale = exact_from(*frozen);
+        if (scale <= needed * (1 + 1e-12)) return scale;
+        remarks.push_back(
+            "A new shape is larger than all before and does not fit at the scale of this study; all shapes "
+            "are placed at a smaller scale and all pairs are computed anew.");
+    }
+    store.set_fact("common_scale", exact(needed));
+    store.set_fact("common_scale_key", scale_key);
+    return needed;
+}
+
+}  // namespace
+
+Collection prepare_collection(const fs::path& folder, const RunSettings& settings, ResultStore& store,
+                              Progress& progress) {
+    datasets::ScanResult scan = datasets::scan_folder(folder, {settings.labels});
+    Collection collection;
+    for (const auto& problem : scan.problems) collection.left_out.push_back(problem.message());
+    collection.remarks = scan.notes;
+    collection.dimension = choose_dimension(scan.sources, collection.left_out);
+    collection.import = settings.import;
+    collection.placement.mode = settings.normalize;
+    collection.placement.level = shape_level(collection.dimension, settings.geodesic);
+
+    std::map<std::string, StoredShape> known;
+    for (StoredShape& shape : store.shapes()) known.emplace(shape.name, std::move(shape));
+    for (datasets::ShapeSource& source : scan.sources) collection.entries.push_back({std::move(source), {}, false});
+
+    if (!collection.entries.empty())
+        progress.message(std::to_string(collection.entries.size()) + " shapes in " + folder.string());
+    tbb::parallel_for(std::size_t{0}, collection.entries.size(), [&](std::size_t i) {
+        CollectionEntry& entry = collection.entries[i];
+        const auto found = known.find(entry.source.name);
+        look_at_file(entry, found == known.end() ? nullptr : &found->second, settings.import);
+        const bool common = settings.normalize == "common";
+        if (!common || !entry.row.problem.empty() || entry.row.extent_radius > 0) return;
+        with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import); });
+    });
+    if (settings.normalize == "common") {
+        collection.placement.scale =
+            settle_scale(collection, canonical_text(settings.import), store, collection.remarks);
+    }
+    std::vector<std::string> gone;
+    std::set<std::string> names;
+    for (CollectionEntry& entry : collection.entries) {
+        names.insert(entry.row.name);
+        if (!entry.row.problem.empty()) {
+            entry.row.content_digest.clear();
+            continue;
+        }
+        const std::string placing = placing_digest(entry.row.reading, collection.placement);
+        entry.needs_import = entry.row.placing != placing || entry.row.content_digest.empty();
+        entry.row.placing = placing;
+    }
+    for (const auto& [name, shape] : known) {
+        if (!names.contains(name)) gone.push_back(name);
+    }
+    if (!gone.empty()) {
+        store.remove_shapes(gone);
+        collection.remarks.push_back(std::to_string(gone.size()) +
+                                     " files of the last run are no longer in the folder (" + gone.front() +
+                                     (gone.size() > 1 ? ", ..." : "") + "); their results stay in the store.");
+    }
+    store.set_fact("dimension", std::to_string(collection.dimension));
+    store.set_fact("folder", fs::absolute(folder).lexically_normal().string());
+    return collection;
+}
+
+Collection stored_collection(const ResultStore& store) {
+    Collection collection;
+    collection.dimension = store.fact("dimension") == "3" ? 3 : 2;
+    for (StoredShape& shape : store.shapes()) collection.entries.push_back({{}, std::move(shape), false});
+    if (collection.entries.empty()) {
+        throw StoreError(store.file(), "the study has no shapes yet; take them in with: morphodesic ingest FOLDER");
+    }
+    return collection;
+}
+
+template <int Dim>
+ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index, const ResultStore& store) {
+    const CollectionEntry& entry = collection.entries[index];
+    ImportedShape<Dim> result{index, entry.row, entry.needs_import, nullptr, nullptr};
+    const auto take = [&](LevelSet<Dim> level_set, ScalarField<Dim> mask) {
+        // The store keeps floats: a run that goes on must see the numbers of the run that began.
+        for (double& u : level_set.values) u = static_cast<double>(static_cast<float>(u));
+        for (double& chi : mask.values) chi = static_cast<double>(static_cast<float>(chi));
+        result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(level_set));
+        if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
+    };
+    if (!entry.row.problem.empty()) {
+        result.fresh = true;
+        return result;
+    }
+    if (!entry.needs_import) {
+        try {
+            ScalarField<Dim> mask;
+            LevelSet<Dim> level_set = store.level_set<Dim>(entry.row.content_digest, &mask);
+            take(std::move(level_set), std::move(mask));
+            return result;
+        } catch (const StoreError&) {
+            // Missing or damaged: the file itself still has everything, if it is there.
+            if (entry.source.path.empty()) throw;
+            result.fresh = true;
+        }
+    }
+    try {
+        datasets::Shape<Dim> shape = datasets::import_shape<Dim>(entry.source, collection.import, collection.placement);
+        if (datasets::file_digest(entry.source.path) != entry.row.file_digest) {
+            throw datasets::ReadError(entry.source.path, "the file changed while the study was reading it",
+                                      "give the same command again");
+        }
+        result.row.content_digest = shape.digest;
+        result.row.volume = shape.volume;
+        result.row.scale = shape.scale;
+        result.row.notes = shape.notes;
+        take(std::move(shape.level_set), std::move(shape.occlusion_mask));
+    } catch (const datasets::ReadError& error) {
+        result.row.problem = error.what();
+    } catch (const std::bad_alloc&) {
+        result.row.problem = entry.row.path + ": not enough memory; use a smaller file or a lower --level";
+    }
+    if (!result.row.problem.empty()) result.row.content_digest.clear();
+    return result;
+}
+
+template ImportedShape<2> import_entry<2>(const Collection&, std::size_t, const ResultStore&);
+template ImportedShape<3> import_entry<3>(const Collection&, std::size_t, const ResultStore&);
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/import.h"
+#include "pipeline/progress.h"
+#include "pipeline/result_store.h"
+#include "pipeline/run_settings.h"
+
+namespace morphodesic::pipeline {
+
+/// A file of the collection: where it is, and what the store knows of it.
+struct CollectionEntry {
+    datasets::ShapeSource source;  ///< empty path: the study is used without its folder
+    StoredShape row;               ///< its problem is set if the file cannot be used
+    bool needs_import = false;     ///< the store has no level set for these settings
+};
+
+/// The files of a study and how they are placed in the cube.
+struct Collection {
+    int dimension = 2;
+    std::vector<CollectionEntry> entries;  ///< sorted by name
+    datasets::ImportOptions import;
+    datasets::NormalizeOptions placement;
+    std::vector<std::string> remarks;   ///< what a user should know, one sentence each
+    std::vector<std::string> left_out;  ///< problems of the scan: folders, links, files of the other dimension
+};
+
+/// Scans the folder, finds out which files are new or changed and measures them, and settles the common scale. The
+/// scale is frozen in the store: more files leave it as it is, unless one of them does not fit.
+/// @throws datasets::ReadError if the folder cannot be read, StoreError, std::invalid_argument for broken settings
+[[nodiscard]] Collection prepare_collection(const std::filesystem::path& folder, const RunSettings& settings,
+                                            ResultStore& store, Progress& progress);
+
+/// The collection as the store has it, without its files.
+/// @throws StoreError if nothing was ingested
+[[nodiscard]] Collection stored_collection(const ResultStore& store);
+
+/// A shape ready for pairs.
+template <int Dim>
+struct ImportedShape {
+    std::size_t index = 0;  ///< in Collection::entries
+    StoredShape row;
+    bool fresh = false;                              ///< the store does not have it yet
+    std::shared_ptr<const LevelSet<Dim>> level_set;  ///< null if row.problem is set
+    std::shared_ptr<const ScalarField<Dim>> mask;    ///< null: known everywhere
+};
+
+/// Reads, places and samples one shape, or takes it from the store. What is wrong with the file becomes row.problem.
+/// May be called from several threads.
+template <int Dim>
+[[nodiscard]] ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
+                                              const ResultStore& store);
+
+/// Calls f.template operator()<2>() or <3>(): below this line everything is a template on the dimension.
+template <class F>
+auto with_dimension(int dimension, F&& f) {
+    if (dimension == 3) return f.template operator()<3>();
+    return f.template operator()<2>();
+}
+
+}  // namespace morphodesic::pipeline

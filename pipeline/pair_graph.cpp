@@ -1,0 +1,225 @@
+#include "pipeline/pair_graph.h"
+
+#include <tbb/flow_graph.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <new>
+#include <optional>
+#include <set>
+
+#include "pipeline/digest.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+/// Two shapes of Scheduler::shapes; the path runs from a to b.
+struct PairTask {
+    std::size_t a = 0, b = 0;
+};
+
+/// What the serial node `schedule` knows: the shapes that have arrived. Once all have, it lists the missing pairs.
+template <int Dim>
+class Scheduler {
+public:
+    Scheduler(const Collection& collection, ResultStore& store, const PairGraphOptions& options, Progress& progress,
+              PairGraphSummary& summary)
+        : store_(store),
+          options_(options),
+          progress_(progress),
+          summary_(summary),
+          waiting_(collection.entries.size()),
+          shapes_(collection.entries.size()) {}
+
+    /// Returns the missing pairs with the last shape, before that nothing.
+    std::vector<PairTask> arrive(ImportedShape<Dim> shape) {
+        if (shape.fresh) {
+            if (shape.level_set) {
+                const ScalarField<Dim> no_mask;
+                store_.put_level_set<Dim>(shape.row.content_digest, *shape.level_set,
+                                          shape.mask ? *shape.mask : no_mask);
+            }
+        }
+        store_.put_shape(shape.row);
+        if (shape.level_set) {
+            ++summary_.shapes;
+        } else {
+            ++summary_.shapes_failed;
+            progress_.message("left out: " + shape.row.problem);
+        }
+        shapes_[shape.index] = std::move(shape);
+        return --waiting_ == 0 ? missing_pairs() : std::vector<PairTask>();
+    }
+
+    [[nodiscard]] const ImportedShape<Dim>& shape(std::size_t index) const { return shapes_[index]; }
+
+private:
+    std::vector<PairTask> missing_pairs() {
+        store_.remove_unused_level_sets();
+        if (!options_.solve) return {};
+        std::map<std::string, std::size_t> different;  // files with equal content are one shape
+        for (std::size_t i = 0; i < shapes_.size(); ++i) {
+            if (shapes_[i].level_set) different.emplace(shapes_[i].row.content_digest, i);
+        }
+        const auto stored = store_.stored_pairs(settings_hash(options_.geodesic), [&](const std::string& damage) {
+            progress_.message(damage + "; it is computed again");
+        });
+        std::vector<std::pair<std::string, PairTask>> found;
+        for (auto i = different.begin(); i != different.end(); ++i) {
+            for (auto j = std::next(i); j != different.end(); ++j) {
+                const auto key = oriented_pair(i->first, shapes_[i->second].mask != nullptr, j->first,
+                                               shapes_[j->second].mask != nullptr);
+                ++summary_.pairs_total;
+                if (stored.contains(key)) {
+                    ++summary_.pairs_stored;
+                } else {
+                    found.push_back({digest(key.first + key.second), {different[key.first], different[key.second]}});
+                }
+            }
+        }
+        // In an order that is as good as random: the first pairs are then a fair sample for the predicted time.
+        std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+        const auto missing = static_cast<long>(found.size());
+        progress_.begin_pairs(summary_.pairs_total, summary_.pairs_stored, missing,
+                              std::min<long>(missing, std::max(8, 4 * options_.threads)));
+        std::vector<PairTask> tasks;
+        for (const auto& [order, task] : found) tasks.push_back(task);
+        return tasks;
+    }
+
+    ResultStore& store_;
+    const PairGraphOptions& options_;
+    Progress& progress_;
+    PairGraphSummary& summary_;
+    std::size_t waiting_;
+    std::vector<ImportedShape<Dim>> shapes_;
+};
+
+}  // namespace
+
+std::pair<std::string, std::string> oriented_pair(const std::string& a, bool a_has_mask, const std::string& b,
+                                                  bool b_has_mask) {
+    const bool keep = a_has_mask != b_has_mask ? a_has_mask : a < b;
+    return keep ? std::pair(a, b) : std::pair(b, a);
+}
+
+template <int Dim>
+StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>& b, const GeodesicOptions& options,
+                          const std::function<bool()>& stop, GeodesicResult<Dim>* path) {
+    StoredGeodesic failed;
+    failed.a = a.row.content_digest;
+    failed.b = b.row.content_digest;
+    failed.settings_hash = settings_hash(options);
+    try {
+        const ScalarField<Dim> known_everywhere;
+        // Isolated: a thread that waits inside this pair must not begin another one.
+        GeodesicResult<Dim> result = tbb::this_task_arena::isolate([&] {
+            return compute_discrete_geodesic<Dim>(*a.level_set, *b.level_set, options,
+                                                  a.mask ? *a.mask : known_everywhere,
+                                                  [&](const LevelReport&) { return !(stop && stop()); });
+        });
+        StoredGeodesic record = to_record(result, failed.a, failed.b, failed.settings_hash);
+        if (path) *path = std::move(result);
+        return record;
+    } catch (const std::bad_alloc&) {
+        failed.failure = "not enough memory; choose a lower --level or fewer --threads, and --retry-failed";
+    } catch (const std::exception& error) {
+        failed.failure = error.what();
+    }
+    return failed;
+}
+
+template <int Dim>
+PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store, const PairGraphOptions& options,
+                                Progress& progress) {
+    namespace flow = tbb::flow;
+    PairGraphSummary summary;
+    std::atomic<bool> abandoned{false};
+    const auto stop = [&] { return abandoned.load() || (options.stop && options.stop()); };
+    // A store that fails must not leave threads busy with pairs that nobody can record.
+    const auto guarded = [&](auto&& body) {
+        try {
+            return body();
+        } catch (...) {
+            abandoned = true;
+            throw;
+        }
+    };
+
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(options.threads));
+    tbb::task_arena arena(options.threads);
+    arena.execute([&] {
+        Scheduler<Dim> scheduler(collection, store, options, progress, summary);
+        const std::size_t count = collection.entries.size();
+        std::size_t next = 0;
+
+        flow::graph graph;
+        flow::input_node<std::size_t> input(graph, [&](tbb::flow_control& control) -> std::size_t {
+            if (next == count || stop()) {
+                control.stop();
+                return 0;
+            }
+            return next++;
+        });
+        flow::function_node<std::size_t, ImportedShape<Dim>> import(
+            graph, static_cast<std::size_t>(options.threads), [&](std::size_t index) {
+                return guarded([&] {
+                    return tbb::this_task_arena::isolate([&] { return import_entry<Dim>(collection, index, store); });
+                });
+            });
+        flow::multifunction_node<ImportedShape<Dim>, std::tuple<PairTask>> schedule(
+            graph, flow::serial, [&](const ImportedShape<Dim>& shape, auto& ports) {
+                guarded([&] {
+                    for (const PairTask& task : scheduler.arrive(shape)) std::get<0>(ports).try_put(task);
+                });
+            });
+        flow::queue_node<PairTask> queue(graph);
+        flow::limiter_node<PairTask> limiter(graph, static_cast<std::size_t>(options.pairs_in_flight));
+        flow::function_node<PairTask, std::optional<StoredGeodesic>> solve(
+            graph, flow::unlimited, [&](const PairTask& task) -> std::optional<StoredGeodesic> {
+                if (stop()) return std::nullopt;
+                StoredGeodesic record =
+                    solve_pair<Dim>(scheduler.shape(task.a), scheduler.shape(task.b), options.geodesic, stop);
+                // A pair that was dropped on request is not a failure; it is simply not there yet.
+                if (record.failure.empty() && record.termination == Termination::cancelled) return std::nullopt;
+                return record;
+            });
+        flow::function_node<std::optional<StoredGeodesic>, flow::continue_msg> record(
+            graph, flow::serial, [&](const std::optional<StoredGeodesic>& geodesic) {
+                guarded([&] {
+                    if (!geodesic) return;
+                    store.put_geodesic(*geodesic);
+                    ++summary.pairs_solved;
+                    const bool good = geodesic->problem().empty();
+                    if (!good) ++summary.pairs_failed;
+                    progress.pair_done(good);
+                });
+                return flow::continue_msg();
+            });
+        flow::make_edge(input, import);
+        flow::make_edge(import, schedule);
+        flow::make_edge(flow::output_port<0>(schedule), queue);
+        flow::make_edge(queue, limiter);
+        flow::make_edge(limiter, solve);
+        flow::make_edge(solve, record);
+        flow::make_edge(record, limiter.decrementer());
+        input.activate();
+        graph.wait_for_all();
+    });
+    if (options.solve) progress.end_pairs();
+    summary.stopped = options.stop && options.stop();
+    return summary;
+}
+
+template PairGraphSummary run_pair_graph<2>(const Collection&, ResultStore&, const PairGraphOptions&, Progress&);
+template PairGraphSummary run_pair_graph<3>(const Collection&, ResultStore&, const PairGraphOptions&, Progress&);
+template StoredGeodesic solve_pair<2>(const ImportedShape<2>&, const ImportedShape<2>&, const GeodesicOptions&,
+                                      const std::function<bool()>&, GeodesicResult<2>*);
+template StoredGeodesic solve_pair<3>(const ImportedShape<3>&, const ImportedShape<3>&, const GeodesicOptions&,
+                                      const std::function<bool()>&, GeodesicResult<3>*);
+
+}  // namespace morphodesic::pipeline

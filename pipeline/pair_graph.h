@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geodesic/discrete_geodesic.h"
+#include "pipeline/collection.h"
+#include "pipeline/progress.h"
+#include "pipeline/result_store.h"
+
+namespace morphodesic::pipeline {
+
+struct PairGraphOptions {
+    GeodesicOptions geodesic;
+    bool solve = true;           ///< false: take the shapes in, compute nothing
+    int threads = 1;             ///< >= 1; the results do not depend on it
+    int pairs_in_flight = 1;     ///< >= 1: pairs in memory at once
+    std::function<bool()> stop;  ///< true: drop the pairs in flight and end; may be empty
+};
+
+struct PairGraphSummary {
+    long shapes = 0;         ///< usable files
+    long shapes_failed = 0;  ///< files with a problem
+    long pairs_total = 0;    ///< of different shapes: files with equal content count once
+    long pairs_stored = 0;   ///< were in the store before
+    long pairs_solved = 0;   ///< computed now
+    long pairs_failed = 0;   ///< of these: without a trustworthy distance
+    bool stopped = false;
+    std::vector<std::string> remarks;
+};
+
+/// Direction of a pair: an occluded shape first (its mask belongs to the first step), else by content digest; so a pair
+/// has the same result whatever its files are called and in whatever order they come.
+[[nodiscard]] std::pair<std::string, std::string> oriented_pair(const std::string& a, bool a_has_mask,
+                                                                const std::string& b, bool b_has_mask);
+
+/// From files to rows in one flow graph:
+///
+///     input -> import -> schedule (serial: stores shapes, emits pairs that are not stored)
+///       -> queue -> limiter (pairs in memory) -> solve -> record (serial) -> decrements the limiter
+///
+/// A pair that fails is a row with the reason. A store that fails ends the run with StoreError; what is in it stays.
+template <int Dim>
+PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store, const PairGraphOptions& options,
+                                Progress& progress);
+
+/// Solves one pair as the graph does; what the solver throws becomes the row's failure.
+template <int Dim>
+[[nodiscard]] StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>& b,
+                                        const GeodesicOptions& options, const std::function<bool()>& stop,
+                                        GeodesicResult<Dim>* path = nullptr);
+
+}  // namespace morphodesic::pipeline
