@@ -1,0 +1,294 @@
+#include "pipeline/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <type_traits>
+
+#include "datasets/read_error.h"
+#include "pipeline/commands.h"
+#include "pipeline/datasets_command.h"
+#include "pipeline/stop_signals.h"
+#include "pipeline/store_error.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One pass over the command line. A preset changes the defaults, so there are two: the first finds the preset.
+struct CommandLine {
+    CLI::App app{"Geodesics in shape space, and studies of shape collections made out of them."};
+    StudyOptions study;
+    PairOptions pair;
+    DatasetOptions dataset;
+    std::string preset, config;
+    std::function<int()> action;
+
+    explicit CommandLine(const RunSettings& defaults);
+
+private:
+    CLI::App* command(const std::string& name, const std::string& help, const std::string& footer);
+    void add_common(CLI::App* command, CommonOptions& common, bool computes);
+    void add_settings(CLI::App* command, RunSettings& settings, bool with_import);
+    void add_study_command(const std::string& name, const std::string& help, const std::string& footer,
+                           int (*function)(const StudyOptions&), bool from_files, bool computes);
+    void add_geodesic();
+    void add_datasets();
+};
+
+std::string preset_help() {
+    std::string text = "Presets:\n";
+    for (const Preset& preset : presets()) {
+        text += "  " + std::string(preset.name) + std::string(10 - std::string(preset.name).size(), ' ') + preset.help +
+                "\n";
+    }
+    return text;
+}
+
+CommandLine::CommandLine(const RunSettings& defaults) {
+    study.settings = pair.settings = defaults;
+    app.set_version_flag("--version", "morphodesic " MORPHODESIC_VERSION);
+    app.require_subcommand(1);
+    app.footer(
+        "A first study:\n"
+        "  morphodesic datasets letters --out letters      make a collection of pictures\n"
+        "  morphodesic run letters                         study it; the report is letters.study/report.html\n"
+        "  morphodesic geodesic a.png b.png --out path     one geodesic, with pictures\n"
+        "Help on a command: morphodesic run --help\n"
+        "\n"
+        "Exit codes: 0 all done; 1 done, but some shapes or pairs failed and are listed; 2 bad usage or nothing "
+        "usable;\n"
+        "3 the environment failed (disk full, store damaged or locked); 128 + n stopped by signal n, give the same\n"
+        "command again to go on.");
+    const std::string at_file = " Options may also stand in a TOML file: level = 6, one per line (--config FILE).";
+    add_study_command(
+        "run", "study a folder of shapes: ingest, geodesics, analyze and report in one go.",
+        preset_help() +
+            "\nExamples:\n"
+            "  morphodesic run letters                             report: letters.study/report.html\n"
+            "  morphodesic run letters --preset fast               a first look\n"
+            "  morphodesic run fish --labels none --foreground dark\n"
+            "  morphodesic run fish --config fish.toml --out results/fish\n"
+            "The same command again computes only what is missing: after Ctrl-C, after a crash, after new\n"
+            "files came into the folder. Results of different settings never mix." +
+            at_file,
+        &pipeline::run, true, true);
+    add_study_command("ingest", "read, clean and place the shapes of a folder, and store them in a study.",
+                      "Examples:\n"
+                      "  morphodesic ingest letters\n"
+                      "  morphodesic ingest scans --out study --normalize none --json",
+                      &pipeline::ingest, true, false);
+    add_study_command("geodesics", "compute the geodesics that a study is missing.",
+                      preset_help() +
+                          "\nWithout options the settings are those the study was made with.\n"
+                          "Examples:\n"
+                          "  morphodesic geodesics letters.study\n"
+                          "  morphodesic geodesics letters.study --preset fine --threads 4",
+                      &pipeline::geodesics, false, true);
+    add_study_command("analyze", "distances, clusters and embedding of a study as CSV and NPY files.",
+                      "Examples:\n"
+                      "  morphodesic analyze letters.study\n"
+                      "  morphodesic analyze letters.study --json",
+                      &pipeline::analyze, false, false);
+    add_study_command("report", "analyze, and write report.html and report.json of a study.",
+                      "Examples:\n"
+                      "  morphodesic report letters.study\n"
+                      "  morphodesic report letters.study --paths all        draw the path of every pair",
+                      &pipeline::report, false, false);
+    add_study_command("verify", "compute a random sample of a study's pairs again and compare with the store.",
+                      "Examples:\n"
+                      "  morphodesic verify letters.study\n"
+                      "  morphodesic verify letters.study --sample 100 --seed 7 --json",
+                      &pipeline::verify, false, false);
+    add_geodesic();
+    add_datasets();
+}
+
+CLI::App* CommandLine::command(const std::string& name, const std::string& help, const std::string& footer) {
+    CLI::App* command = app.add_subcommand(name, help);
+    command->footer(footer);
+    command->option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    command->add_option("--config", config, "TOML file with options; those on the command line overrule it")
+        ->option_text("FILE");
+    return command;
+}
+
+void CommandLine::add_common(CLI::App* command, CommonOptions& common, bool computes) {
+    if (computes) {
+        command
+            ->add_option("--threads", common.threads,
+                         "processor cores to use; 0: all. The results are the same for any")
+            ->check(CLI::Range(0, 1024))
+            ->capture_default_str();
+    }
+    command->add_flag("--json", common.json, "print the summary as one JSON object on standard output");
+    command->add_flag("--quiet", common.quiet, "no progress and no summary in words; problems are still listed");
+}
+
+void CommandLine::add_settings(CLI::App* command, RunSettings& settings, bool with_import) {
+    command->add_option("--preset", preset, "where the defaults come from: fast, standard or fine")
+        ->check(CLI::IsMember({"fast", "standard", "fine"}));
+    const auto add = [&](const char* name, auto& field, const char* help) {
+        const std::string flag = std::string("--") + name;
+        if constexpr (std::is_same_v<std::decay_t<decltype(field)>, bool>) {
+            command->add_flag(flag, field, help)->group("Geodesics");
+        } else {
+            command->add_option(flag, field, help)->capture_default_str()->group("Geodesics");
+        }
+    };
+    if (with_import) {
+        RunSettings::for_each_field(settings, add);
+        for (const char* name : {"--labels", "--foreground", "--speck-fraction", "--max-megapixels", "--normalize"}) {
+            command->get_option(name)->group("Shapes");
+        }
+    } else {
+        GeodesicOptions::for_each_field(settings.geodesic, add);
+    }
+}
+
+void CommandLine::add_study_command(const std::string& name, const std::string& help, const std::string& footer,
+                                    int (*function)(const StudyOptions&), bool from_files, bool computes) {
+    CLI::App* sub = command(name, help, footer);
+    if (from_files) {
+        sub->add_option("folder", study.collection, "folder with the shapes; its folders are read too")->required();
+        sub->add_option("--out", study.study, "study folder; default: FOLDER.study")->option_text("STUDY");
+    } else {
+        sub->add_option("study", study.study, "study folder")->required();
+    }
+    add_common(sub, study.common, true);
+    if (from_files || computes) add_settings(sub, study.settings, from_files);
+    if (computes) sub->add_flag("--retry-failed", study.retry_failed, "compute pairs again that failed before");
+    if (name == "run" || name == "report") {
+        sub->add_option("--paths", study.paths,
+                        "paths that are drawn: none, nearest (a handful, near and far), all, or how many")
+            ->capture_default_str();
+    }
+    if (name == "verify") {
+        sub->add_option("--sample", study.sample, "number of pairs")->check(CLI::PositiveNumber)->capture_default_str();
+        sub->add_option("--seed", study.seed, "another seed, another sample")->capture_default_str();
+    }
+    sub->callback([this, function] { action = [this, function] { return function(study); }; });
+}
+
+void CommandLine::add_geodesic() {
+    CLI::App* sub =
+        command("geodesic", "compute one geodesic between two shapes.",
+                preset_help() +
+                    "\nBoth shapes are placed at the same scale, so that size differences count.\n"
+                    "Examples:\n"
+                    "  morphodesic geodesic cat.png dog.png\n"
+                    "  morphodesic geodesic cat.png dog.png --preset fine --out path   pictures: path/*.png\n"
+                    "  morphodesic geodesic cat.png dog.png --json | jq .path_length");
+    sub->add_option("a", pair.a, "first shape: a file")->required();
+    sub->add_option("b", pair.b, "second shape: a file")->required();
+    sub->add_option("--out", pair.out, "folder for the pictures of the path and geodesic.json")->option_text("FOLDER");
+    add_common(sub, pair.common, true);
+    add_settings(sub, pair.settings, true);
+    sub->callback([this] { action = [this] { return pipeline::geodesic(pair); }; });
+}
+
+void CommandLine::add_datasets() {
+    CLI::App* sub = command("datasets", "make a collection of shapes from formulas or installed fonts.",
+                            "Examples:\n"
+                            "  morphodesic datasets letters --out letters\n"
+                            "  morphodesic datasets letters --help");
+    sub->require_subcommand(1);
+    add_dataset_kinds(*sub, dataset, [this](std::function<int()> generate) { action = std::move(generate); });
+}
+
+/// Puts the options of the configuration file, if any, behind the name of the subcommand, so that those on the command
+/// line come later and win.
+std::vector<std::string> with_config(std::vector<std::string> arguments) {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        std::string file;
+        if (arguments[i].rfind("--config=", 0) == 0) file = arguments[i].substr(9);
+        if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[i + 1];
+        if (arguments[i] == "--") break;
+        if (file.empty()) continue;
+        const std::vector<std::string> tokens = tokens_of_config(file);
+        arguments.insert(arguments.begin() + 1, tokens.begin(), tokens.end());
+        break;
+    }
+    return arguments;
+}
+
+/// Defaults of the second pass: the preset if one is named, else what the study was made with, else the standard.
+RunSettings defaults_after(const CommandLine& first) {
+    if (!first.preset.empty()) return settings_of_preset(first.preset);
+    if (first.study.collection.empty() && !first.study.study.empty()) {
+        const std::string text = stored_settings(first.study.study);
+        if (!text.empty()) return settings_from_text(text);
+    }
+    return settings_of_preset("standard");
+}
+
+std::string quoted(const std::string& word) {
+    if (!word.empty() &&
+        word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./,+:@") ==
+            std::string::npos) {
+        return word;
+    }
+    std::string result = "'";
+    for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
+int parse_and_run(std::vector<std::string> arguments) {
+    std::string repeat = "morphodesic";
+    for (const std::string& word : arguments) repeat += " " + quoted(word);
+    if (!arguments.empty()) arguments = with_config(std::move(arguments));
+    const std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
+
+    const auto parse = [&](CommandLine& line) {
+        std::vector<std::string> words = reversed;
+        line.app.parse(words);
+    };
+    CommandLine first(settings_of_preset("standard"));
+    try {
+        parse(first);
+        CommandLine second(defaults_after(first));
+        parse(second);
+        second.study.command = repeat;
+        if (second.study.study.empty() && !second.study.collection.empty()) {
+            second.study.study = StudyFolder::of_collection(second.study.collection).path();
+        }
+        for (const RunSettings* settings : {&second.study.settings, &second.pair.settings}) {
+            const std::vector<std::string> problems = settings->problems();
+            for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";
+            if (!problems.empty()) return bad_usage;
+        }
+        return second.action();
+    } catch (const CLI::ParseError& error) {
+        const int code = first.app.exit(error, std::cout, std::cerr);
+        return code == 0 ? all_done : bad_usage;
+    }
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& arguments) {
+    StopSignals::install();
+    try {
+        return parse_and_run(arguments);
+    } catch (const StoreError& error) {
+        std::cerr << "morphodesic: " << error.what() << "\n";
+        return environment_failed;
+    } catch (const datasets::ReadError& error) {
+        std::cerr << "morphodesic: " << error.what() << "\n";
+    } catch (const std::invalid_argument& error) {
+        std::cerr << "morphodesic: " << error.what() << "\n";
+    } catch (const std::bad_alloc&) {
+        std::cerr << "morphodesic: not enough memory; use a lower --level or fewer --threads\n";
+        return environment_failed;
+    } catch (const std::exception& error) {
+        std::cerr << "morphodesic: " << error.what() << "\n";
+        return environment_failed;
+    }
+    return bad_usage;
+}
+
+}  // namespace morphodesic::pipeline

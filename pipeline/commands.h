@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/run_settings.h"
+
+namespace morphodesic::pipeline {
+
+/// How the program ends; also the exit code of the process. After a stop by a signal it is 128 + the signal's number.
+enum ExitCode { all_done = 0, some_failed = 1, bad_usage = 2, environment_failed = 3 };
+
+struct CommonOptions {
+    bool json = false;   ///< print the summary as one JSON object on standard output
+    bool quiet = false;  ///< no progress and no summary in words
+    int threads = 0;     ///< 0: as many as the process may use
+};
+
+/// Options of run, ingest, geodesics, analyze, report and verify; each uses some of them.
+struct StudyOptions {
+    CommonOptions common;
+    std::filesystem::path collection;  ///< folder of shapes: run, ingest
+    std::filesystem::path study;       ///< study folder; empty: beside the collection
+    RunSettings settings;
+    bool retry_failed = false;      ///< compute pairs anew that failed before
+    std::string paths = "nearest";  ///< none | nearest | all | a number: which paths are drawn
+    int sample = 10;                ///< verify: pairs that are computed again
+    unsigned seed = 1;              ///< verify: which ones
+    std::string command;            ///< for the report: the command that repeats the study
+};
+
+/// Options of geodesic A B.
+struct PairOptions {
+    CommonOptions common;
+    std::filesystem::path a, b;
+    std::filesystem::path out;  ///< folder for the pictures; empty: none are written
+    RunSettings settings;
+};
+
+// One function per subcommand: options in; summary on standard output, progress on standard error, exit code out.
+int run(const StudyOptions& options);
+int ingest(const StudyOptions& options);
+int geodesics(const StudyOptions& options);
+int analyze(const StudyOptions& options);
+int report(const StudyOptions& options);
+int verify(const StudyOptions& options);
+int geodesic(const PairOptions& options);
+
+/// The settings a study was made with; empty text if it has none yet.
+[[nodiscard]] std::string stored_settings(const std::filesystem::path& study);
+
+}  // namespace morphodesic::pipeline

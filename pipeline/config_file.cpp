@@ -1,0 +1,49 @@
+#include <toml++/toml.h>
+
+#include <sstream>
+#include <stdexcept>
+
+#include "pipeline/cli.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+std::string text_of(const toml::node& node) {
+    if (const auto* text = node.as_string()) return text->get();
+    if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+    std::ostringstream out;
+    if (const auto* whole = node.as_integer()) out << whole->get();
+    if (const auto* real = node.as_floating_point()) out << toml::value<double>(real->get());
+    return out.str();
+}
+
+}  // namespace
+
+std::vector<std::string> tokens_of_config(const std::string& file) {
+    const auto fail = [&](const toml::source_position& at, const std::string& problem) {
+        throw std::invalid_argument(file + ", line " + std::to_string(at.line) + ": " + problem);
+    };
+    std::vector<std::string> tokens;
+    try {
+        const toml::table table = toml::parse_file(file);
+        for (const auto& [key, node] : table) {
+            const std::string name(std::string_view{key});
+            if (name == "config") fail(node.source().begin, "a configuration file cannot name another one");
+            if (name.empty() || name.find_first_of("= \t\n") != std::string::npos) {
+                fail(node.source().begin, "\"" + name + "\" is not the name of an option");
+            }
+            if (!node.is_string() && !node.is_boolean() && !node.is_number()) {
+                fail(node.source().begin,
+                     "the value of \"" + name +
+                         "\" must be a text, a number, true or false; options stand at the top, as "
+                         "in: level = 6");
+            }
+            tokens.push_back("--" + name + "=" + text_of(node));
+        }
+    } catch (const toml::parse_error& error) {
+        fail(error.source().begin, std::string(error.description()));
+    }
+    return tokens;
+}
+
+}  // namespace morphodesic::pipeline
