@@ -1,0 +1,93 @@
+// geodesic A B: one pair.
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <fstream>
+#include <iostream>
+
+#include "pipeline/collection.h"
+#include "pipeline/commands.h"
+#include "pipeline/commands/summary.h"
+#include "pipeline/pair_graph.h"
+#include "pipeline/path_files.h"
+#include "pipeline/stop_signals.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+template <int Dim>
+ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::NormalizeOptions& placement) {
+    datasets::Shape<Dim> shape = datasets::normalize(raw, placement);
+    ImportedShape<Dim> result;
+    result.row.name = raw.source.path.string();
+    result.row.content_digest = shape.digest;
+    result.row.volume = shape.volume;
+    result.row.notes = shape.notes;
+    result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(shape.level_set));
+    if (!shape.occlusion_mask.values.empty()) {
+        result.mask = std::make_shared<const ScalarField<Dim>>(std::move(shape.occlusion_mask));
+    }
+    return result;
+}
+
+template <int Dim>
+int solve(const PairOptions& options, const datasets::ShapeSource& source_a, const datasets::ShapeSource& source_b) {
+    const auto raw_a = datasets::read_shape<Dim>(source_a, options.settings.import);
+    const auto raw_b = datasets::read_shape<Dim>(source_b, options.settings.import);
+    datasets::NormalizeOptions placement;
+    placement.mode = options.settings.normalize;
+    placement.level = shape_level(Dim, options.settings.geodesic);
+    if (placement.mode == "common") {
+        const double radii[] = {raw_a.extent_radius, raw_b.extent_radius};
+        placement.scale = datasets::common_scale(radii);
+    }
+    const auto a = placed<Dim>(raw_a, placement), b = placed<Dim>(raw_b, placement);
+    GeodesicResult<Dim> path;
+    StoredGeodesic result = solve_pair<Dim>(a, b, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
+    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+
+    Summary summary;
+    summary.data = to_json(result);
+    summary.data["a"] = a.row.name;
+    summary.data["b"] = b.row.name;
+    for (const auto* shape : {&a, &b}) {
+        for (const std::string& note : shape->row.notes) summary.lines.push_back(shape->row.name + ": " + note);
+    }
+    const std::string problem = result.problem();
+    if (!problem.empty()) {
+        summary.add_failures({{a.row.name, b.row.name, problem}});
+    } else {
+        char text[256];
+        std::snprintf(text, sizeof text,
+                      "path length   %.6g (error bar %.2g)\npath energy   %.6g\nmin det       %.4g (guaranteed)\n"
+                      "termination   %s after %s",
+                      result.path_length, result.error, result.path_energy, result.min_det, to_string(result.termination),
+                      duration_text(result.seconds).c_str());
+        summary.lines.emplace_back(text);
+    }
+    if (!options.out.empty() && !path.shapes.empty()) {
+        const StudyFolder folder(options.out);
+        folder.create();
+        const auto files = write_path_files(folder, "", path);
+        folder.write("geodesic.json", summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        summary.lines.push_back("pictures      " + folder.path().string());
+        summary.data["pictures"] = files;
+    }
+    return summary.print(options.common);
+}
+
+}  // namespace
+
+int geodesic(const PairOptions& options) {
+    const auto threads = static_cast<std::size_t>(thread_count(options.common));
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const datasets::ShapeSource a = datasets::single_source(options.a), b = datasets::single_source(options.b);
+    if (a.dimension != b.dimension) {
+        throw std::invalid_argument("one of the two shapes is 2D and the other 3D; give two of a kind");
+    }
+    tbb::task_arena arena(static_cast<int>(threads));
+    return arena.execute([&] { return with_dimension(a.dimension, [&]<int Dim>() { return solve<Dim>(options, a, b); }); });
+}
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,161 @@
+// run, ingest, geodesics: from files to rows.
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "pipeline/collection.h"
+#include "pipeline/commands.h"
+#include "pipeline/commands/summary.h"
+#include "pipeline/exports.h"
+#include "pipeline/pair_graph.h"
+#include "pipeline/stop_signals.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// A study folder that this process alone works on.
+struct Workplace {
+    explicit Workplace(const StudyOptions& options, bool may_create)
+        : folder(options.study),
+          threads(thread_count(options.common)),
+          progress(Progress::style_of_stderr(options.common.quiet)),
+          limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {
+        if (may_create) folder.create();
+        else if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+        lock = std::make_unique<StudyLock>(folder);
+        store = std::make_unique<ResultStore>(folder.store(), ResultStore::Access::write);
+    }
+
+    StudyFolder folder;
+    int threads;
+    Progress progress;
+    tbb::global_control limit;
+    std::unique_ptr<StudyLock> lock;
+    std::unique_ptr<ResultStore> store;
+};
+
+/// Writes the settings down as those of the study; says so if they were others before.
+void settle_settings(Workplace& at, const RunSettings& settings) {
+    const std::string text = canonical_text(settings), hash = settings_hash(settings.geodesic);
+    const auto before = at.store->fact("settings");
+    if (before && settings_hash(settings_from_text(*before).geodesic) != hash) {
+        at.progress.message(
+            "The settings differ from those this study was made with. Distances are computed for the new ones; "
+            "those of the old ones stay in the store and are never mixed with them.");
+    }
+    at.store->put_settings(hash, canonical_text(settings.geodesic));
+    at.store->set_fact("settings", text);
+    at.store->set_fact("program", "morphodesic " MORPHODESIC_VERSION);
+}
+
+PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options, bool solve) {
+    PairGraphOptions graph;
+    graph.geodesic = options.settings.geodesic;
+    graph.solve = solve;
+    graph.threads = at.threads;
+    graph.pairs_in_flight = at.threads;
+    graph.stop = [] { return StopSignals::caught() != 0; };
+    if (solve && options.retry_failed) at.store->remove_failures(settings_hash(options.settings.geodesic));
+    return with_dimension(collection.dimension, [&]<int Dim>() {
+        return run_pair_graph<Dim>(collection, *at.store, graph, at.progress);
+    });
+}
+
+/// Adds up the wall clock time of all runs of the study.
+double add_seconds(ResultStore& store, double seconds) {
+    const double total = seconds + std::stod(store.fact("seconds").value_or("0"));
+    store.set_fact("seconds", std::to_string(total));
+    return total;
+}
+
+int stopped(const StudyOptions& options, const PairGraphSummary& done) {
+    std::cerr << "morphodesic: stopped; " << done.pairs_stored + done.pairs_solved << " of " << done.pairs_total
+              << " pairs are in the store. To go on, give the same command again"
+              << (options.command.empty() ? "" : ": " + options.command) << "\n";
+    return 128 + StopSignals::caught();
+}
+
+int execute(const StudyOptions& options, bool from_files, bool solve, bool with_report) {
+    const double begin = now();
+    if (from_files && !fs::is_directory(options.collection)) {
+        throw std::invalid_argument(options.collection.string() +
+                                    (fs::exists(options.collection)
+                                         ? ": is a file; name the folder that holds the shapes"
+                                         : ": there is no such folder; make one with: morphodesic datasets letters"));
+    }
+    Workplace at(options, from_files);
+    Collection collection;
+    if (from_files) {
+        collection = prepare_collection(options.collection, options.settings, *at.store, at.progress);
+        if (collection.entries.empty()) {
+            for (const std::string& problem : collection.left_out) std::cerr << "morphodesic: " << problem << "\n";
+            std::cerr << "morphodesic: " << options.collection.string()
+                      << ": no shapes found; expected are images (PNG, JPEG, BMP, TIFF, PGM, WebP, GIF) or meshes\n";
+            return bad_usage;
+        }
+    } else {
+        collection = stored_collection(*at.store);
+    }
+    settle_settings(at, options.settings);
+    for (const std::string& remark : collection.remarks) at.progress.message(remark);
+    const PairGraphSummary done = compute(at, collection, options, solve);
+    if (done.stopped) return stopped(options, done);
+    if (!options.command.empty() && with_report) at.store->set_fact("command", options.command);
+    const double seconds = add_seconds(*at.store, now() - begin);
+
+    Summary summary;
+    summary.data = {{"study", at.folder.path().string()},
+                    {"shapes", done.shapes},
+                    {"shapes_failed", done.shapes_failed},
+                    {"seconds", now() - begin},
+                    {"seconds_of_all_runs", seconds}};
+    if (solve) {
+        summary.data["pairs"] = done.pairs_total;
+        summary.data["pairs_from_store"] = done.pairs_stored;
+        summary.data["pairs_computed"] = done.pairs_solved;
+        summary.data["pairs_failed"] = done.pairs_failed;
+    }
+    const StudyData data = load_study(*at.store);
+    std::vector<StudyFailure> failures;
+    for (const std::string& problem : collection.left_out) failures.push_back({"", "", problem});
+    for (const StudyFailure& failure : data.failures) {
+        if (solve || failure.b.empty()) failures.push_back(failure);
+    }
+    std::string head = std::to_string(done.shapes) + " shapes";
+    if (solve) {
+        head += ", " + std::to_string(done.pairs_total) + " pairs (" + std::to_string(done.pairs_stored) +
+                " from the store, " + std::to_string(done.pairs_solved) + " computed)";
+    }
+    summary.lines.push_back(head + " in " + duration_text(now() - begin));
+    if (done.shapes == 0) {
+        summary.exit_code = bad_usage;
+        summary.lines.push_back("No file could be used.");
+    } else if (with_report) {
+        export_report(data, *at.store, at.folder, options, at.progress, summary);
+    } else {
+        summary.lines.push_back("Study: " + at.folder.path().string());
+    }
+    summary.add_failures(failures);
+    return summary.print(options.common);
+}
+
+}  // namespace
+
+int run(const StudyOptions& options) { return execute(options, true, true, true); }
+int ingest(const StudyOptions& options) { return execute(options, true, false, false); }
+int geodesics(const StudyOptions& options) { return execute(options, false, true, false); }
+
+std::string stored_settings(const fs::path& study) {
+    const StudyFolder folder(study);
+    if (!fs::exists(folder.store())) return "";
+    return ResultStore(folder.store(), ResultStore::Access::read).fact("settings").value_or("");
+}
+
+}  // namespace morphodesic::pipeline

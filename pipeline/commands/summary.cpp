@@ -1,0 +1,56 @@
+#include "pipeline/commands/summary.h"
+
+#include <tbb/info.h>
+
+#include <iostream>
+
+namespace morphodesic::pipeline {
+
+void Summary::add_failures(const std::vector<StudyFailure>& failures) {
+    constexpr std::size_t shown = 20;
+    auto list = nlohmann::ordered_json::array();
+    std::size_t files = 0;
+    for (const StudyFailure& failure : failures) {
+        if (failure.b.empty()) ++files;
+        list.push_back({{"a", failure.a}, {"b", failure.b}, {"reason", failure.reason}});
+    }
+    data["failures"] = std::move(list);
+    if (failures.empty()) return;
+    if (exit_code == all_done) exit_code = some_failed;
+    std::string head = "Left out: " + std::to_string(files) + " files";
+    if (failures.size() > files) {
+        head += (files > 0 ? "; without a trustworthy distance: " : "Without a trustworthy distance: ");
+        if (files == 0) head = "Without a trustworthy distance: ";
+        head += std::to_string(failures.size() - files) + " pairs";
+    }
+    lines.push_back(head);
+    for (std::size_t i = 0; i < failures.size() && i < shown; ++i) {
+        const StudyFailure& failure = failures[i];
+        lines.push_back(failure.b.empty() ? "  " + failure.reason
+                                          : "  " + failure.a + " - " + failure.b + ": " + failure.reason);
+    }
+    if (failures.size() > shown) lines.push_back("  and " + std::to_string(failures.size() - shown) + " more");
+}
+
+int Summary::print(const CommonOptions& options) {
+    if (options.json) {
+        data["exit_code"] = exit_code;
+        std::cout << data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+    } else if (!options.quiet) {
+        for (const std::string& line : lines) std::cout << line << "\n";
+        std::cout << std::flush;
+    }
+    if ((options.json || options.quiet) && exit_code != all_done) {
+        // Problems are said on the error stream also where the summary is not for people.
+        for (const auto& failure : data.value("failures", nlohmann::ordered_json::array())) {
+            std::cerr << "morphodesic: " << failure["reason"].get<std::string>() << "\n";
+        }
+    }
+    return exit_code;
+}
+
+int thread_count(const CommonOptions& options) {
+    return options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+}
+
+}  // namespace morphodesic::pipeline

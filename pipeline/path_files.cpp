@@ -1,0 +1,135 @@
+#include "pipeline/path_files.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/colour_map.h"
+#include "pipeline/path_pictures.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr); }
+
+ordered_json numbers(const std::vector<double>& values) {
+    ordered_json array = ordered_json::array();
+    for (const double x : values) array.push_back(number(x));
+    return array;
+}
+
+}  // namespace
+
+template <int Dim>
+DrawnPath draw_path(const GeodesicResult<Dim>& path) {
+    const PathPictures pictures = path_pictures(path, frame_pixels);
+    DrawnPath drawn;
+    for (const RgbaImage& frame : pictures.frames) drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});
+    drawn.colour_bar.quantity = "viscous dissipation rate density";
+    drawn.colour_bar.unit = "1/time²";
+    drawn.colour_bar.low = 0.0;
+    drawn.colour_bar.high = pictures.highest;
+    drawn.colour_bar.colours = dissipation_colours(9);
+    return drawn;
+}
+
+std::string pack(const DrawnPath& drawn) {
+    ordered_json j{{"quantity", drawn.colour_bar.quantity},
+                   {"unit", drawn.colour_bar.unit},
+                   {"low", drawn.colour_bar.low},
+                   {"high", drawn.colour_bar.high},
+                   {"colours", drawn.colour_bar.colours},
+                   {"frames", ordered_json::array()}};
+    for (const reports::Picture& frame : drawn.frames) {
+        const std::vector<std::uint8_t> bytes(frame.bytes.begin(), frame.bytes.end());
+        j["frames"].push_back({{"png", ordered_json::binary(bytes)}, {"width", frame.width}, {"height", frame.height}});
+    }
+    const std::vector<std::uint8_t> bytes = ordered_json::to_cbor(j);
+    return {bytes.begin(), bytes.end()};
+}
+
+DrawnPath unpack(const std::string& bytes) {
+    DrawnPath drawn;
+    const ordered_json j = ordered_json::from_cbor(bytes, true, false);
+    if (j.is_discarded()) return drawn;
+    drawn.colour_bar.quantity = j.at("quantity").get<std::string>();
+    drawn.colour_bar.unit = j.at("unit").get<std::string>();
+    drawn.colour_bar.low = j.at("low").get<double>();
+    drawn.colour_bar.high = j.at("high").get<double>();
+    drawn.colour_bar.colours = j.at("colours").get<std::vector<std::string>>();
+    for (const ordered_json& frame : j.at("frames")) {
+        const auto& png = frame.at("png").get_binary();
+        drawn.frames.push_back({{png.begin(), png.end()}, frame.at("width").get<int>(), frame.at("height").get<int>(), ""});
+    }
+    return drawn;
+}
+
+std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
+                                          const DrawnPath& drawn) {
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < drawn.frames.size(); ++k) {
+        char name[32];
+        std::snprintf(name, sizeof name, "step-%02zu.png", k);
+        folder.write(below / name, drawn.frames[k].bytes);
+        names.push_back((below / name).generic_string());
+    }
+    const ordered_json meaning{{"quantity", drawn.colour_bar.quantity},
+                               {"unit", drawn.colour_bar.unit},
+                               {"low", number(drawn.colour_bar.low)},
+                               {"high", number(drawn.colour_bar.high)},
+                               {"colours", drawn.colour_bar.colours}};
+    folder.write(below / "colours.json", meaning.dump(2) + "\n");
+    return names;
+}
+
+template <int Dim>
+std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
+                                          const GeodesicResult<Dim>& path) {
+    return write_path_files(folder, below, draw_path(path));
+}
+
+ordered_json to_json(const StoredGeodesic& g) {
+    ordered_json levels = ordered_json::array();
+    for (const LevelReport& l : g.levels) {
+        levels.push_back({{"level", l.level},
+                          {"time_steps", l.time_steps},
+                          {"iterations", l.iterations},
+                          {"evaluations", l.evaluations},
+                          {"total_energy", number(l.total_energy)},
+                          {"path_length", number(l.path_length)},
+                          {"min_det", number(l.min_det)},
+                          {"folds_repaired", l.folds_repaired},
+                          {"termination", to_string(l.termination)},
+                          {"seconds", number(l.seconds)}});
+    }
+    const std::string problem = g.problem();
+    return {{"path_length", number(g.path_length)},
+            {"error", number(g.error)},
+            {"extrapolated_length", number(g.extrapolated_length)},
+            {"path_energy", number(g.path_energy)},
+            {"total_energy", number(g.total_energy)},
+            {"min_det", number(g.min_det)},
+            {"termination", to_string(g.termination)},
+            {"message", g.message},
+            {"problem", problem.empty() ? ordered_json(nullptr) : ordered_json(problem)},
+            {"deformation_energy", numbers(g.deformation_energy)},
+            {"mismatch_energy", numbers(g.mismatch_energy)},
+            {"rotation", numbers(g.rotation)},
+            {"translation", numbers(g.translation)},
+            {"levels", levels},
+            {"digest_a", g.a},
+            {"digest_b", g.b},
+            {"settings", g.settings_hash},
+            {"seconds", number(g.seconds)}};
+}
+
+template DrawnPath draw_path<2>(const GeodesicResult<2>&);
+template DrawnPath draw_path<3>(const GeodesicResult<3>&);
+template std::vector<std::string> write_path_files<2>(const StudyFolder&, const std::filesystem::path&,
+                                                      const GeodesicResult<2>&);
+template std::vector<std::string> write_path_files<3>(const StudyFolder&, const std::filesystem::path&,
+                                                      const GeodesicResult<3>&);
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "geodesic/discrete_geodesic.h"
+#include "pipeline/result_store.h"
+#include "pipeline/study_folder.h"
+#include "reports/report_model.h"
+
+namespace morphodesic::pipeline {
+
+/// Width and height of the frames of a path and of thumbnails, pixels.
+inline constexpr int frame_pixels = 192, thumbnail_pixels = 96;
+
+/// Frames and colours of a path as the report wants them, without names.
+struct DrawnPath {
+    std::vector<reports::Picture> frames;
+    reports::ColourBar colour_bar;
+};
+template <int Dim>
+[[nodiscard]] DrawnPath draw_path(const GeodesicResult<Dim>& path);
+
+/// One string for the store, and back; nothing if the string is not one of these.
+[[nodiscard]] std::string pack(const DrawnPath& drawn);
+[[nodiscard]] DrawnPath unpack(const std::string& bytes);
+
+/// Writes the frames of a path into a folder below the study (or output) folder: step-00.png, ... and colours.json, which
+/// says what the colours mean. Returns the names of the frames.
+template <int Dim>
+std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
+                                          const GeodesicResult<Dim>& path);
+std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
+                                          const DrawnPath& drawn);
+
+/// Every number of a result as JSON; doubles read back exactly.
+[[nodiscard]] nlohmann::ordered_json to_json(const StoredGeodesic& geodesic);
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/distance_matrix.h"
+#include "pipeline/result_store.h"
+#include "pipeline/run_settings.h"
+
+namespace morphodesic::pipeline {
+
+/// Something that could not be used or computed: a file, or a pair of files.
+struct StudyFailure {
+    std::string a, b;  ///< b is empty for a file
+    std::string reason;
+};
+
+/// The rows of a store that belong to one set of settings, by the names of the files.
+struct StudyData {
+    int dimension = 2;
+    RunSettings settings;
+    std::string settings_hash;
+    std::vector<StoredShape> shapes;    ///< usable files, sorted by name
+    std::vector<StoredShape> unusable;
+    analysis::DistanceMatrix distances; ///< path lengths with error bars; missing where no distance is trustworthy
+    /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet.
+    std::vector<std::optional<StoredGeodesic>> pairs;
+    std::vector<bool> first_is_a;       ///< condensed: the path runs from the first to the second name
+    std::vector<StudyFailure> failures;
+    long pairs_missing = 0;             ///< not computed yet
+    std::vector<std::string> remarks;   ///< e.g. damaged rows
+
+    [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
+};
+
+/// @throws StoreError if the study has no settings or no shapes yet
+[[nodiscard]] StudyData load_study(const ResultStore& store);
+
+}  // namespace morphodesic::pipeline
