@@ -9,7 +9,7 @@
 
 #include "datasets/read_error.h"
 #include "pipeline/commands.h"
-#include "pipeline/datasets_command.h"
+#include "pipeline/commands/datasets.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
 #include "pipeline/study_folder.h"
@@ -164,7 +164,9 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
     if (computes) sub->add_flag("--retry-failed", study.retry_failed, "compute pairs again that failed before");
     if (name == "run" || name == "report") {
         sub->add_option("--paths", study.paths,
-                        "paths that are drawn: none, nearest (a handful, near and far), all, or how many")
+                        "paths that are drawn: how many (the most telling ones), nearest (every shape with its nearest "
+                        "neighbour), "
+                        "all or none")
             ->capture_default_str();
     }
     if (name == "verify") {

@@ -12,7 +12,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr); }
+ordered_json number(double x) {
+    return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr);
+}
 
 ordered_json numbers(const std::vector<double>& values) {
     ordered_json array = ordered_json::array();
@@ -26,7 +28,8 @@ template <int Dim>
 DrawnPath draw_path(const GeodesicResult<Dim>& path) {
     const PathPictures pictures = path_pictures(path, frame_pixels);
     DrawnPath drawn;
-    for (const RgbaImage& frame : pictures.frames) drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});
+    for (const RgbaImage& frame : pictures.frames)
+        drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});
     drawn.colour_bar.quantity = "viscous dissipation rate density";
     drawn.colour_bar.unit = "1/time²";
     drawn.colour_bar.low = 0.0;
@@ -36,12 +39,9 @@ DrawnPath draw_path(const GeodesicResult<Dim>& path) {
 }
 
 std::string pack(const DrawnPath& drawn) {
-    ordered_json j{{"quantity", drawn.colour_bar.quantity},
-                   {"unit", drawn.colour_bar.unit},
-                   {"low", drawn.colour_bar.low},
-                   {"high", drawn.colour_bar.high},
-                   {"colours", drawn.colour_bar.colours},
-                   {"frames", ordered_json::array()}};
+    ordered_json j{{"quantity", drawn.colour_bar.quantity}, {"unit", drawn.colour_bar.unit},
+                   {"low", drawn.colour_bar.low},           {"high", drawn.colour_bar.high},
+                   {"colours", drawn.colour_bar.colours},   {"frames", ordered_json::array()}};
     for (const reports::Picture& frame : drawn.frames) {
         const std::vector<std::uint8_t> bytes(frame.bytes.begin(), frame.bytes.end());
         j["frames"].push_back({{"png", ordered_json::binary(bytes)}, {"width", frame.width}, {"height", frame.height}});
@@ -61,7 +61,8 @@ DrawnPath unpack(const std::string& bytes) {
     drawn.colour_bar.colours = j.at("colours").get<std::vector<std::string>>();
     for (const ordered_json& frame : j.at("frames")) {
         const auto& png = frame.at("png").get_binary();
-        drawn.frames.push_back({{png.begin(), png.end()}, frame.at("width").get<int>(), frame.at("height").get<int>(), ""});
+        drawn.frames.push_back(
+            {{png.begin(), png.end()}, frame.at("width").get<int>(), frame.at("height").get<int>(), ""});
     }
     return drawn;
 }

@@ -27,8 +27,8 @@ template <int Dim>
 [[nodiscard]] std::string pack(const DrawnPath& drawn);
 [[nodiscard]] DrawnPath unpack(const std::string& bytes);
 
-/// Writes the frames of a path into a folder below the study (or output) folder: step-00.png, ... and colours.json, which
-/// says what the colours mean. Returns the names of the frames.
+/// Writes the frames of a path into a folder below the study (or output) folder: step-00.png, ... and colours.json,
+/// which says what the colours mean. Returns the names of the frames.
 template <int Dim>
 std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
                                           const GeodesicResult<Dim>& path);

@@ -21,15 +21,15 @@ struct StudyData {
     int dimension = 2;
     RunSettings settings;
     std::string settings_hash;
-    std::vector<StoredShape> shapes;    ///< usable files, sorted by name
+    std::vector<StoredShape> shapes;  ///< usable files, sorted by name
     std::vector<StoredShape> unusable;
-    analysis::DistanceMatrix distances; ///< path lengths with error bars; missing where no distance is trustworthy
+    analysis::DistanceMatrix distances;  ///< path lengths with error bars; missing where no distance is trustworthy
     /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet.
     std::vector<std::optional<StoredGeodesic>> pairs;
-    std::vector<bool> first_is_a;       ///< condensed: the path runs from the first to the second name
+    std::vector<bool> first_is_a;  ///< condensed: the path runs from the first to the second name
     std::vector<StudyFailure> failures;
-    long pairs_missing = 0;             ///< not computed yet
-    std::vector<std::string> remarks;   ///< e.g. damaged rows
+    long pairs_missing = 0;            ///< not computed yet
+    std::vector<std::string> remarks;  ///< e.g. damaged rows
 
     [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
 };

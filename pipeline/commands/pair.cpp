@@ -44,7 +44,8 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     }
     const auto a = placed<Dim>(raw_a, placement), b = placed<Dim>(raw_b, placement);
     GeodesicResult<Dim> path;
-    StoredGeodesic result = solve_pair<Dim>(a, b, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
+    StoredGeodesic result = solve_pair<Dim>(
+        a, b, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
     if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
 
     Summary summary;
@@ -62,15 +63,16 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
         std::snprintf(text, sizeof text,
                       "path length   %.6g (error bar %.2g)\npath energy   %.6g\nmin det       %.4g (guaranteed)\n"
                       "termination   %s after %s",
-                      result.path_length, result.error, result.path_energy, result.min_det, to_string(result.termination),
-                      duration_text(result.seconds).c_str());
+                      result.path_length, result.error, result.path_energy, result.min_det,
+                      to_string(result.termination), duration_text(result.seconds).c_str());
         summary.lines.emplace_back(text);
     }
     if (!options.out.empty() && !path.shapes.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
         const auto files = write_path_files(folder, "", path);
-        folder.write("geodesic.json", summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        folder.write("geodesic.json",
+                     summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         summary.lines.push_back("pictures      " + folder.path().string());
         summary.data["pictures"] = files;
     }
@@ -87,7 +89,8 @@ int geodesic(const PairOptions& options) {
         throw std::invalid_argument("one of the two shapes is 2D and the other 3D; give two of a kind");
     }
     tbb::task_arena arena(static_cast<int>(threads));
-    return arena.execute([&] { return with_dimension(a.dimension, [&]<int Dim>() { return solve<Dim>(options, a, b); }); });
+    return arena.execute(
+        [&] { return with_dimension(a.dimension, [&]<int Dim>() { return solve<Dim>(options, a, b); }); });
 }
 
 }  // namespace morphodesic::pipeline

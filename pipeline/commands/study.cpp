@@ -18,7 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// A study folder that this process alone works on.
 struct Workplace {
@@ -27,8 +29,10 @@ struct Workplace {
           threads(thread_count(options.common)),
           progress(Progress::style_of_stderr(options.common.quiet)),
           limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {
-        if (may_create) folder.create();
-        else if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+        if (may_create)
+            folder.create();
+        else if (!fs::exists(folder.store()))
+            ResultStore(folder.store(), ResultStore::Access::read);
         lock = std::make_unique<StudyLock>(folder);
         store = std::make_unique<ResultStore>(folder.store(), ResultStore::Access::write);
     }
@@ -63,9 +67,8 @@ PairGraphSummary compute(Workplace& at, const Collection& collection, const Stud
     graph.pairs_in_flight = at.threads;
     graph.stop = [] { return StopSignals::caught() != 0; };
     if (solve && options.retry_failed) at.store->remove_failures(settings_hash(options.settings.geodesic));
-    return with_dimension(collection.dimension, [&]<int Dim>() {
-        return run_pair_graph<Dim>(collection, *at.store, graph, at.progress);
-    });
+    return with_dimension(collection.dimension,
+                          [&]<int Dim>() { return run_pair_graph<Dim>(collection, *at.store, graph, at.progress); });
 }
 
 /// Adds up the wall clock time of all runs of the study.
@@ -148,9 +151,15 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
 
 }  // namespace
 
-int run(const StudyOptions& options) { return execute(options, true, true, true); }
-int ingest(const StudyOptions& options) { return execute(options, true, false, false); }
-int geodesics(const StudyOptions& options) { return execute(options, false, true, false); }
+int run(const StudyOptions& options) {
+    return execute(options, true, true, true);
+}
+int ingest(const StudyOptions& options) {
+    return execute(options, true, false, false);
+}
+int geodesics(const StudyOptions& options) {
+    return execute(options, false, true, false);
+}
 
 std::string stored_settings(const fs::path& study) {
     const StudyFolder folder(study);

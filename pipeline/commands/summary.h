@@ -15,7 +15,8 @@ struct Summary {
     std::vector<std::string> lines;
     nlohmann::ordered_json data = nlohmann::ordered_json::object();
 
-    /// Lists failures in words (the first twenty) and in full in the JSON object; makes the exit code 1 if there are any.
+    /// Lists failures in words (the first twenty) and in full in the JSON object; makes the exit code 1 if there are
+    /// any.
     void add_failures(const std::vector<StudyFailure>& failures);
     /// Prints lines or JSON as the options want it and returns the exit code.
     int print(const CommonOptions& options);

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "pipeline/commands.h"
+#include "pipeline/progress.h"
+#include "pipeline/result_store.h"
+#include "pipeline/study_data.h"
+#include "pipeline/study_folder.h"
+#include "pipeline/study_report.h"
+
+namespace morphodesic::pipeline {
+
+struct Summary;
+
+/// distances.csv, distances.npy, pairs.csv, clusters.csv, linkage.csv, embedding.csv: see reports/FORMAT.md. Rows are
+/// sorted by name, doubles read back exactly, and distances.csv holds nothing that differs from run to run.
+void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder);
+
+/// The tables, then paths/, report.json and report.html.
+/// @param summary  receives where the report is and how well the distances know the classes
+void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
+                   Progress& progress, Summary& summary);
+
+/// Says in the summary how well the distances know the classes, and how many clusters there are.
+void summarise(const reports::ReportModel& model, Summary& summary);
+
+}  // namespace morphodesic::pipeline

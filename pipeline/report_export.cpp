@@ -1,0 +1,227 @@
+// Pictures, paths, report.json and report.html of a study.
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <ctime>
+
+#include "pipeline/collection.h"
+#include "pipeline/commands/summary.h"
+#include "pipeline/exports.h"
+#include "pipeline/pair_graph.h"
+#include "pipeline/path_files.h"
+#include "pipeline/path_pictures.h"
+#include "pipeline/stop_signals.h"
+#include "reports/report.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text;
+}
+
+template <int Dim>
+ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store) {
+    ImportedShape<Dim> shape;
+    shape.row = row;
+    ScalarField<Dim> mask;
+    shape.level_set = std::make_shared<const LevelSet<Dim>>(store.level_set<Dim>(row.content_digest, &mask));
+    if (!mask.values.empty()) shape.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
+    return shape;
+}
+
+template <int Dim>
+void add_thumbnails(const StudyData& data, const ResultStore& store, AnalysedStudy& analysed) {
+    tbb::parallel_for(std::size_t{0}, analysed.kept.size(), [&](std::size_t i) {
+        const StoredShape& row = data.shapes[analysed.kept[i]];
+        const RgbaImage image = shape_picture(store.level_set<Dim>(row.content_digest), thumbnail_pixels);
+        analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, row.name};
+    });
+}
+
+/// "turned by 12.3 degrees, moved by (0.01, -0.02)"
+std::string motion_text(const StoredGeodesic& g) {
+    const std::size_t dim = g.translation.size();
+    if (dim < 2 || g.rotation.size() != dim * dim) return "";
+    double trace = 0.0;
+    for (std::size_t a = 0; a < dim; ++a) trace += g.rotation[a * dim + a];
+    const double cosine = dim == 2 ? trace / 2 : (trace - 1) / 2;
+    double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI;
+    if (dim == 2 && g.rotation[2] < 0) degrees = -degrees;
+    char text[160];
+    if (dim == 2) {
+        std::snprintf(text, sizeof text, "turned by %.1f degrees, moved by (%.3f, %.3f)", degrees, g.translation[0],
+                      g.translation[1]);
+    } else {
+        std::snprintf(text, sizeof text, "turned by %.1f degrees, moved by (%.3f, %.3f, %.3f)", degrees,
+                      g.translation[0], g.translation[1], g.translation[2]);
+    }
+    return text;
+}
+
+/// The pictures of a path: from the store, else the path is computed again (it is not kept) and drawn.
+template <int Dim>
+DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const StoredShape& to, const StudyData& data,
+                      ResultStore& store, std::string& remark) {
+    const std::string key = "path 1 " + g.a + " " + g.b + " " + g.settings_hash;
+    if (const auto stored = store.picture(key)) {
+        DrawnPath drawn = unpack(*stored);
+        if (!drawn.frames.empty()) return drawn;
+    }
+    GeodesicResult<Dim> path;
+    const StoredGeodesic again = solve_pair<Dim>(
+        stored_shape<Dim>(from, store), stored_shape<Dim>(to, store), data.settings.geodesic,
+        [] { return StopSignals::caught() != 0; }, &path);
+    if (StopSignals::caught() != 0 || path.shapes.empty()) return {};
+    if (again.path_length != g.path_length) {
+        remark = from.name + " - " + to.name +
+                 ": drawing the path gave another length than the store has; was the store "
+                 "made by another build? `morphodesic verify` tells more.";
+    }
+    DrawnPath drawn = draw_path(path);
+    store.put_picture(key, pack(drawn));
+    return drawn;
+}
+
+/// A name that is a folder of its own on every file system.
+std::string path_folder(std::size_t number, const std::string& a, const std::string& b) {
+    std::string name = std::to_string(number + 1);
+    name.insert(0, name.size() < 3 ? 3 - name.size() : 0, '0');
+    for (const std::string* part : {&a, &b}) {
+        name += '_';
+        for (const char c : part->substr(0, part->rfind('.')).substr(0, 60)) {
+            const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+            name += plain ? c : '-';
+        }
+    }
+    return name;
+}
+
+template <int Dim>
+void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
+               Progress& progress, AnalysedStudy& analysed) {
+    reports::ReportModel& model = analysed.model;
+    const auto chosen = choose_paths(model, options.paths);
+    if (!chosen.empty()) progress.message("drawing " + std::to_string(chosen.size()) + " paths");
+    std::vector<reports::PathReport> paths(chosen.size());
+    std::vector<std::string> remarks(chosen.size());
+    tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t p) {
+        if (StopSignals::caught() != 0) return;
+        const auto [a, b] = chosen[p];
+        const std::size_t i = analysed.kept[static_cast<std::size_t>(a)],
+                          j = analysed.kept[static_cast<std::size_t>(b)];
+        const auto& pair = data.pairs[data.index(i, j)];
+        if (!pair || !pair->problem().empty()) return;
+        const bool forward = data.first_is_a[data.index(i, j)];
+        const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
+        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data, store, remarks[p]);
+        if (drawn.frames.empty()) return;
+        write_path_files(folder, std::filesystem::path("paths") / path_folder(p, from.name, to.name), drawn);
+
+        reports::PathReport& path = paths[p];
+        path.a = forward ? a : b;
+        path.b = forward ? b : a;
+        path.colour_bar = drawn.colour_bar;
+        for (std::size_t k = 0; k < drawn.frames.size(); ++k) {
+            reports::Frame frame;
+            frame.time =
+                drawn.frames.size() > 1 ? static_cast<double>(k) / static_cast<double>(drawn.frames.size() - 1) : 0;
+            frame.picture = std::move(drawn.frames[k]);
+            if (k > 0 && k <= pair->deformation_energy.size())
+                frame.deformation_energy = pair->deformation_energy[k - 1];
+            if (k > 0 && k <= pair->mismatch_energy.size()) frame.mismatch_energy = pair->mismatch_energy[k - 1];
+            path.frames.push_back(std::move(frame));
+        }
+        path.path_length = pair->path_length;
+        path.error = pair->error;
+        path.extrapolated_length = pair->extrapolated_length;
+        path.path_energy = pair->path_energy;
+        path.total_energy = pair->total_energy;
+        path.min_det = pair->min_det;
+        path.termination = to_string(pair->termination);
+        path.message = pair->message;
+        path.level = data.settings.geodesic.level;
+        path.time_steps = data.settings.geodesic.time_steps;
+        path.seconds = pair->seconds;
+        path.motion = motion_text(*pair);
+    });
+    for (reports::PathReport& path : paths) {
+        if (!path.frames.empty()) model.paths.push_back(std::move(path));
+    }
+    for (std::string& remark : remarks) {
+        if (!remark.empty()) model.trust.remarks.push_back(std::move(remark));
+    }
+}
+
+void add_provenance(const StudyData& data, const ResultStore& store, const StudyFolder& folder,
+                    reports::ReportModel& model) {
+    model.study = folder.path().filename().string();
+    if (model.study.empty()) model.study = folder.path().parent_path().filename().string();
+    model.created = utc_now();
+    model.collection = store.fact("folder").value_or("");
+    model.study_folder = folder.path().string();
+    if (const auto seconds = store.fact("seconds")) model.seconds = std::stod(*seconds);
+    model.preset = data.settings.preset;
+    model.distance_unit = data.dimension == 2 ? "length of the unit cube" : "length^1.5 of the unit cube";
+    const auto add = [&](const char* name, const auto& value, const char* help) {
+        using Value = std::decay_t<decltype(value)>;
+        std::string text;
+        if constexpr (std::is_same_v<Value, std::string>)
+            text = value;
+        else if constexpr (std::is_same_v<Value, bool>)
+            text = value ? "true" : "false";
+        else {
+            char buffer[40];
+            std::snprintf(buffer, sizeof buffer, "%.10g", static_cast<double>(value));
+            text = buffer;
+        }
+        model.settings.push_back({name, text, help});
+    };
+    RunSettings::for_each_field(data.settings, add);
+    if (const auto scale = store.fact("common_scale"); scale && data.settings.normalize == "common") {
+        model.settings.push_back(
+            {"common-scale", *scale, "lengths of the unit cube per unit of the files, one for all"});
+    }
+    model.versions = {{"morphodesic", MORPHODESIC_VERSION, ""},
+                      {"solver revision", std::to_string(solver_revision), "part of the settings hash"},
+                      {"settings hash", data.settings_hash, "results of other settings never share a matrix"},
+                      {"store version", std::to_string(store_version), ""}};
+    model.command = store.fact("command").value_or("");
+    model.links = {{"distances.csv", "distances.csv", "square matrix of path lengths; empty: no trustworthy distance"},
+                   {"distances.npy", "distances.npy", "the same for NumPy; NaN: no trustworthy distance"},
+                   {"pairs.csv", "pairs.csv", "every pair with error bar, energies, min det and termination"},
+                   {"clusters.csv", "clusters.csv", "cluster of every shape"},
+                   {"linkage.csv", "linkage.csv", "average linkage, rows as in SciPy"},
+                   {"embedding.csv", "embedding.csv", "the map"},
+                   {"report.json", "report.json", "everything in this report but the pictures"},
+                   {"study.sqlite", "study.sqlite", "the store: every result with its settings"}};
+}
+
+}  // namespace
+
+void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
+                   Progress& progress, Summary& summary) {
+    AnalysedStudy analysed = analyse_study(data);
+    export_tables(data, analysed, folder);
+    if (analysed.model.shapes.empty()) return;
+    std::error_code ignored;
+    std::filesystem::remove_all(folder.paths(), ignored);  // of an earlier choice of pairs
+    with_dimension(data.dimension, [&]<int Dim>() {
+        add_thumbnails<Dim>(data, store, analysed);
+        add_paths<Dim>(data, store, folder, options, progress, analysed);
+    });
+    add_provenance(data, store, folder, analysed.model);
+    folder.write("report.json", reports::to_json(analysed.model));
+    folder.write("report.html", reports::render_html(analysed.model));
+    summarise(analysed.model, summary);
+    summary.data["report"] = (folder.path() / "report.html").string();
+    summary.lines.push_back("Report: " + (folder.path() / "report.html").string());
+}
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "pipeline/study_data.h"
+#include "reports/report_model.h"
+
+namespace morphodesic::pipeline {
+
+/// The numbers of a study, analysed: everything of the report but pictures and paths. Shapes that no chain of known
+/// distances joins to the others stand among the failures, not among the shapes.
+struct AnalysedStudy {
+    reports::ReportModel model;
+    std::vector<std::size_t> kept;  ///< model shape -> number in StudyData::shapes
+};
+[[nodiscard]] AnalysedStudy analyse_study(const StudyData& data);
+
+/// Pairs whose paths are worth a look, best first: between the medoids of the classes (else clusters), the nearest and
+/// the farthest pair, then every shape with its nearest neighbour. Numbers of model shapes, a < b, no pair twice; only
+/// pairs with a distance > 0.
+/// @param choice  none | nearest | all | a number
+/// @throws std::invalid_argument for another word
+[[nodiscard]] std::vector<std::pair<int, int>> choose_paths(const reports::ReportModel& model,
+                                                            const std::string& choice);
+
+}  // namespace morphodesic::pipeline
