@@ -42,7 +42,7 @@ Point<Dim> gradient_at(const LevelSet<Dim>& u, const Point<Dim>& x) {
         Point<Dim> low = x, high = x;
         low[a] -= h;
         high[a] += h;
-        g[a] = (value_at(u.grid, u.values, high) - value_at(u.grid, u.values, low)) / (2 * h);
+        g[a] = (value_at<Dim>(u.grid, u.values, high) - value_at<Dim>(u.grid, u.values, low)) / (2 * h);
     }
     return g;
 }
@@ -66,8 +66,8 @@ struct Hit {
 std::optional<Hit<2>> look(const LevelSet<2>& u, double column, double row, double pixel) {
     Hit<2> hit;
     hit.x = {0.5 + column, 0.5 + row};
-    const double value = value_at(u.grid, u.values, hit.x);
-    const double slope = std::max(norm<2>(gradient_at(u, hit.x)), 0.25);
+    const double value = value_at<2>(u.grid, u.values, hit.x);
+    const double slope = std::max(norm<2>(gradient_at<2>(u, hit.x)), 0.25);
     hit.coverage = std::clamp(0.5 + value / (slope * pixel), 0.0, 1.0);
     if (hit.coverage <= 0) return std::nullopt;
     return hit;
@@ -87,12 +87,12 @@ std::optional<Hit<3>> look(const LevelSet<3>& u, double column, double row, doub
     for (double depth = -0.7; depth <= 0.7; depth += step) {
         const Point<3> at = place(depth);
         const bool inside_cube = std::all_of(at.begin(), at.end(), [](double a) { return a >= 0 && a <= 1; });
-        const double value = inside_cube ? value_at(u.grid, u.values, at) : -1.0;
+        const double value = inside_cube ? value_at<3>(u.grid, u.values, at) : -1.0;
         if (value >= 0 && std::isfinite(before)) {
             Hit<3> hit;
             hit.x = place(depth - step * value / (value - before));
             hit.coverage = 1.0;
-            const Point<3> g = gradient_at(u, hit.x);
+            const Point<3> g = gradient_at<3>(u, hit.x);
             const double length = std::max(norm<3>(g), 1e-12);
             // Light from the upper left behind the viewer; the normal points out of the object, against grad u.
             double light = 0.0;
@@ -132,7 +132,7 @@ Point<Dim> inverse(const Deformation<Dim>& phi, const Point<Dim>& y) {
     Point<Dim> x = y;
     for (int i = 0; i < 20; ++i) {
         Point<Dim> next = y;
-        for (int a = 0; a < Dim; ++a) next[a] -= value_at(phi.grid(), phi.displacement.components[a], x);
+        for (int a = 0; a < Dim; ++a) next[a] -= value_at<Dim>(phi.grid(), phi.displacement.components[a], x);
         x = next;
     }
     return x;
@@ -203,8 +203,8 @@ PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels) {
         const bool last = k == steps;
         const ScalarField<Dim>& rate = rates[last ? steps - 1 : k];
         pictures.frames.push_back(draw(path.shapes[k], pixels, [&](const Hit<Dim>& hit) {
-            const Point<Dim> x = last ? inverse(path.deformations[steps - 1], hit.x) : hit.x;
-            return dissipation_colour(value_at(rate.grid, rate.values, x) / unit);
+            const Point<Dim> x = last ? inverse<Dim>(path.deformations[steps - 1], hit.x) : hit.x;
+            return dissipation_colour(value_at<Dim>(rate.grid, rate.values, x) / unit);
         }));
     }
     return pictures;
