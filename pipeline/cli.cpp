@@ -169,6 +169,17 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
                         "all or none")
             ->capture_default_str();
     }
+    if (name == "analyze" || name == "report") {
+        analysis::AnalysisOptions::for_each_field(
+            study.analysis, [&](const char* field, auto& value, const char* text) {
+                const std::string flag = std::string("--") + field;
+                if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) {
+                    sub->add_flag(flag, value, text)->group("Analysis");
+                } else {
+                    sub->add_option(flag, value, text)->capture_default_str()->group("Analysis");
+                }
+            });
+    }
     if (name == "verify") {
         sub->add_option("--sample", study.sample, "number of pairs")->check(CLI::PositiveNumber)->capture_default_str();
         sub->add_option("--seed", study.seed, "another seed, another sample")->capture_default_str();
@@ -259,7 +270,11 @@ int parse_and_run(std::vector<std::string> arguments) {
             second.study.study = StudyFolder::of_collection(second.study.collection).path();
         }
         for (const RunSettings* settings : {&second.study.settings, &second.pair.settings}) {
-            const std::vector<std::string> problems = settings->problems();
+            std::vector<std::string> problems = settings->problems();
+            if (settings == &second.study.settings) {
+                const auto more = second.study.analysis.problems();
+                problems.insert(problems.end(), more.begin(), more.end());
+            }
             for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";
             if (!problems.empty()) return bad_usage;
         }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "analysis/study.h"
 #include "pipeline/run_settings.h"
 
 namespace morphodesic::pipeline {
@@ -22,11 +23,12 @@ struct StudyOptions {
     std::filesystem::path collection;  ///< folder of shapes: run, ingest
     std::filesystem::path study;       ///< study folder; empty: beside the collection
     RunSettings settings;
-    bool retry_failed = false;      ///< compute pairs anew that failed before
-    std::string paths = "nearest";  ///< none | nearest | all | a number: which paths are drawn
-    int sample = 10;                ///< verify: pairs that are computed again
-    unsigned seed = 1;              ///< verify: which ones
-    std::string command;            ///< for the report: the command that repeats the study
+    bool retry_failed = false;  ///< compute pairs anew that failed before
+    std::string paths = "12";   ///< none | nearest | all | a number: which paths are drawn, see choose_paths
+    analysis::AnalysisOptions analysis;
+    int sample = 10;      ///< verify: pairs that are computed again
+    unsigned seed = 1;    ///< verify: which ones
+    std::string command;  ///< for the report: the command that repeats the study
 };
 
 /// Options of geodesic A B.

@@ -66,37 +66,6 @@ std::string pairs_csv(const StudyData& data) {
     return csv.text();
 }
 
-std::string clusters_csv(const reports::ReportModel& model) {
-    CsvText csv({"file", "label", "cluster", "medoid", "silhouette"});
-    const reports::Clustering& clusters = model.clusterings.front();
-    for (std::size_t i = 0; i < model.shapes.size(); ++i) {
-        const int cluster = clusters.assignment[i];
-        csv.cell(model.shapes[i].name).cell(model.shapes[i].label).cell(static_cast<long>(cluster));
-        csv.cell(static_cast<long>(clusters.medoids[static_cast<std::size_t>(cluster)] == static_cast<int>(i)));
-        csv.cell(model.trust.silhouettes[i]).end_row();
-    }
-    return csv.text();
-}
-
-std::string linkage_csv(const reports::ReportModel& model) {
-    CsvText csv({"first", "second", "height", "size"});
-    for (const reports::Merge& merge : model.linkages.front().merges) {
-        csv.cell(static_cast<long>(merge.first)).cell(static_cast<long>(merge.second));
-        csv.cell(merge.height).cell(static_cast<long>(merge.size)).end_row();
-    }
-    return csv.text();
-}
-
-std::string embedding_csv(const reports::ReportModel& model) {
-    CsvText csv({"file", "label", "x", "y"});
-    const reports::Embedding& plane = model.embeddings.front();
-    for (std::size_t i = 0; i < model.shapes.size(); ++i) {
-        csv.cell(model.shapes[i].name).cell(model.shapes[i].label);
-        csv.cell(plane.coordinates[2 * i]).cell(plane.coordinates[2 * i + 1]).end_row();
-    }
-    return csv.text();
-}
-
 }  // namespace
 
 void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder) {
@@ -107,10 +76,16 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
     analysis::write_npy(npy, analysis::NpyArray{data.distances.size(), data.distances.size(), data.distances.dense()});
     folder.write("distances.npy", npy.str());
     folder.write("pairs.csv", pairs_csv(data));
-    if (analysed.model.shapes.empty()) return;
-    folder.write("clusters.csv", clusters_csv(analysed.model));
-    folder.write("linkage.csv", linkage_csv(analysed.model));
-    folder.write("embedding.csv", embedding_csv(analysed.model));
+    const auto text = [](auto&& write) {
+        std::ostringstream out;
+        write(out);
+        return out.str();
+    };
+    const analysis::AnalysisResult& result = analysed.analysis;
+    folder.write("clusters.csv",
+                 text([&](std::ostream& out) { analysis::write_clusters_csv(out, result, data.distances); }));
+    folder.write("linkage.csv", text([&](std::ostream& out) { analysis::write_linkage_csv(out, result); }));
+    folder.write("embedding.csv", text([&](std::ostream& out) { analysis::write_embedding_csv(out, result); }));
 }
 
 void summarise(const reports::ReportModel& model, Summary& summary) {

@@ -9,7 +9,7 @@
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr double terminal_interval = 0.2, log_interval = 30.0;  // seconds
+constexpr double terminal_interval = 0.2, log_interval = 30.0, least_predicted = 2.0;  // seconds
 
 double steady_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -75,6 +75,7 @@ void Progress::pair_done(bool has_distance) {
     const double now = clock_();
     if (done_ == pilots_ && done_ < missing_) {
         const double predicted = (now - begin_) / static_cast<double>(done_) * static_cast<double>(missing_ - done_);
+        if (predicted < least_predicted) return;
         clear_line();
         write_("about " + duration_text(predicted) + " to go, judged by the first " + std::to_string(done_) +
                " pairs, drawn at random\n");

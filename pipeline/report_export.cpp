@@ -38,8 +38,8 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
 
 template <int Dim>
 void add_thumbnails(const StudyData& data, const ResultStore& store, AnalysedStudy& analysed) {
-    tbb::parallel_for(std::size_t{0}, analysed.kept.size(), [&](std::size_t i) {
-        const StoredShape& row = data.shapes[analysed.kept[i]];
+    tbb::parallel_for(std::size_t{0}, analysed.analysis.kept.size(), [&](std::size_t i) {
+        const StoredShape& row = data.shapes[analysed.analysis.kept[i]];
         const RgbaImage image = shape_picture(store.level_set<Dim>(row.content_digest), thumbnail_pixels);
         analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, row.name};
     });
@@ -114,8 +114,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
     tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t p) {
         if (StopSignals::caught() != 0) return;
         const auto [a, b] = chosen[p];
-        const std::size_t i = analysed.kept[static_cast<std::size_t>(a)],
-                          j = analysed.kept[static_cast<std::size_t>(b)];
+        const std::size_t i = analysed.analysis.kept[static_cast<std::size_t>(a)],
+                          j = analysed.analysis.kept[static_cast<std::size_t>(b)];
         const auto& pair = data.pairs[data.index(i, j)];
         if (!pair || !pair->problem().empty()) return;
         const bool forward = data.first_is_a[data.index(i, j)];
@@ -207,7 +207,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
 
 void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                    Progress& progress, Summary& summary) {
-    AnalysedStudy analysed = analyse_study(data);
+    AnalysedStudy analysed = analyse_study(data, options.analysis);
     export_tables(data, analysed, folder);
     if (analysed.model.shapes.empty()) return;
     std::error_code ignored;

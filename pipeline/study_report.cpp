@@ -6,13 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "analysis/evaluation.h"
-#include "analysis/gaps.h"
-#include "analysis/leaf_order.h"
-#include "analysis/linkage.h"
-#include "analysis/mds.h"
-#include "analysis/neighbor_graph.h"
-#include "analysis/statistics.h"
+#include "pipeline/stop_signals.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -22,133 +16,105 @@ namespace an = analysis;
 std::vector<int> ints(const std::vector<std::size_t>& values) {
     return {values.begin(), values.end()};
 }
+int number(std::size_t value) {
+    return static_cast<int>(value);
+}
 
-reports::LinkageTree linkage_tree(const an::DistanceMatrix& complete, an::LinkageMethod method,
-                                  const an::Dendrogram& tree) {
-    reports::LinkageTree result;
-    result.method = an::to_string(method);
-    for (const an::Merge& m : tree.merges) {
-        result.merges.push_back(
-            {static_cast<int>(m.first), static_cast<int>(m.second), m.height, static_cast<int>(m.size)});
+reports::LinkageTree tree_of(const an::TreeResult& from) {
+    reports::LinkageTree tree;
+    tree.method = an::to_string(from.method);
+    for (const an::Merge& m : from.tree.merges) {
+        tree.merges.push_back({number(m.first), number(m.second), m.height, number(m.size)});
     }
-    result.leaf_order = ints(an::optimal_leaf_order(tree, complete).order);
-    result.cophenetic_correlation = an::cophenetic_correlation(tree, complete);
-    return result;
+    tree.leaf_order = ints(from.leaf_order.order);
+    tree.cophenetic_correlation = from.cophenetic_correlation;
+    return tree;
 }
 
-/// Members with the smallest mean distance to the other members of their cluster.
-std::vector<int> cluster_medoids(const an::DistanceMatrix& distances, const an::Clustering& clusters) {
-    const std::size_t n = clusters.size(), k = an::cluster_count(clusters);
-    std::vector<int> medoids(k, -1);
-    std::vector<double> best(k, HUGE_VAL);
-    for (std::size_t i = 0; i < n; ++i) {
-        double sum = 0.0;
-        for (std::size_t j = 0; j < n; ++j) {
-            if (clusters[j] == clusters[i]) sum += distances(i, j);
-        }
-        if (sum < best[clusters[i]]) {
-            best[clusters[i]] = sum;
-            medoids[clusters[i]] = static_cast<int>(i);
-        }
-    }
-    return medoids;
+std::vector<reports::Edge> edges_of(const std::vector<an::Edge>& from) {
+    std::vector<reports::Edge> edges;
+    for (const an::Edge& e : from) edges.push_back({number(e.first), number(e.second), e.length});
+    return edges;
 }
 
-reports::Clustering clustering(const an::DistanceMatrix& complete, const an::Dendrogram& tree) {
-    const an::SilhouetteCut cut = an::cut_by_silhouette(tree, complete, 20);
-    reports::Clustering result;
-    result.method = "average linkage";
-    result.cut = "best silhouette";
-    result.assignment = ints(cut.clusters);
-    result.medoids = cluster_medoids(complete, cut.clusters);
-    result.silhouette = an::mean(an::silhouette_widths(complete, cut.clusters));
-    return result;
-}
-
-/// Kruskal's stress-1 of an embedding, and the share of every shape in it.
-void add_stress(const an::DistanceMatrix& complete, const an::Embedding& points, reports::Embedding& result) {
-    const std::size_t n = complete.size();
-    double error = 0.0, sum = 0.0;
-    std::vector<double> per_shape(n, 0.0);
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i + 1; j < n; ++j) {
-            double squared = 0.0;
-            for (std::size_t a = 0; a < points.dimensions; ++a) squared += std::pow(points(i, a) - points(j, a), 2);
-            const double difference = std::pow(std::sqrt(squared) - complete(i, j), 2);
-            error += difference;
-            sum += squared;
-            per_shape[i] += 0.5 * difference;
-            per_shape[j] += 0.5 * difference;
-        }
-    }
-    if (!(sum > 0)) return;
-    result.stress = std::sqrt(error / sum);
-    for (double& share : per_shape) share = error > 0 ? share / error : 0.0;
-    result.stress_per_shape = std::move(per_shape);
-}
-
-reports::Embedding embedding(const an::DistanceMatrix& complete, std::size_t dimension) {
-    const an::ClassicalScaling scaling = an::classical_mds(complete, dimension);
-    reports::Embedding result;
-    result.method = "classical MDS";
-    result.dimension = static_cast<int>(dimension);
-    result.coordinates = scaling.embedding.coordinates;
-    add_stress(complete, scaling.embedding, result);
-    return result;
-}
-
-std::vector<reports::Edge> edges(const std::vector<an::Edge>& from) {
-    std::vector<reports::Edge> result;
-    for (const an::Edge& e : from) result.push_back({static_cast<int>(e.first), static_cast<int>(e.second), e.length});
-    return result;
-}
-
-reports::ClassTable class_table(const an::DistanceMatrix& distances, const std::vector<std::string>& labels) {
+reports::ClassTable table_of(const an::ClassResult& from, const an::AnalysisResult& all) {
     reports::ClassTable table;
-    const an::NeighbourAccuracy nearest = an::neighbour_accuracy(distances, labels, 1);
-    table.nearest_neighbour = nearest.accuracy;
-    for (const std::size_t k : {1, 3, 5}) {
-        table.k_nearest.emplace_back(static_cast<int>(k), an::neighbour_accuracy(distances, labels, k).accuracy);
+    table.name = from.ranking;
+    for (const an::NeighbourAccuracy& nearest : from.nearest) {
+        if (nearest.k == 1) table.nearest_neighbour = nearest.accuracy;
+        table.k_nearest.emplace_back(number(nearest.k), nearest.accuracy);
     }
-    const an::Retrieval retrieval = an::retrieval(distances, labels);
-    table.bulls_eye = retrieval.bulls_eye;
-    table.mean_average_precision = retrieval.mean_average_precision;
-    for (std::size_t r = 0; r < retrieval.precision_at_recall.size(); ++r) {
-        table.precision_recall.push_back({static_cast<double>(r) / 10, retrieval.precision_at_recall[r]});
+    table.bulls_eye = from.retrieved.bulls_eye;
+    table.bulls_eye_window = from.bulls_eye_window;
+    table.mean_average_precision = from.retrieved.mean_average_precision;
+    for (std::size_t r = 0; r < from.retrieved.precision_at_recall.size(); ++r) {
+        table.precision_recall.push_back({static_cast<double>(r) / 10, from.retrieved.precision_at_recall[r]});
     }
-    std::size_t largest = 0;
-    for (const auto& c : an::class_counts(labels)) largest = std::max(largest, c.members);
-    table.bulls_eye_window = static_cast<int>(2 * largest);
-    const an::ConfusionMatrix confusion = an::confusion_matrix(labels, nearest.predictions);
-    table.classes = confusion.classes;
-    for (std::size_t r = 0; r < confusion.classes.size(); ++r) {
+    table.classes = from.confusion.classes;
+    for (std::size_t r = 0; r < table.classes.size(); ++r) {
         std::vector<int> row;
-        for (std::size_t c = 0; c < confusion.classes.size(); ++c) row.push_back(static_cast<int>(confusion(r, c)));
+        for (std::size_t c = 0; c < table.classes.size(); ++c) row.push_back(number(from.confusion(r, c)));
         table.confusion.push_back(std::move(row));
     }
-    for (const an::Medoid& medoid : an::class_medoids(distances, labels)) {
-        table.class_medoids.push_back(static_cast<int>(medoid.item));
+    for (const an::Medoid& medoid : all.class_medoids) table.class_medoids.push_back(number(medoid.item));
+    table.adjusted_rand = all.agreement.adjusted_rand;
+    table.adjusted_mutual_information = all.agreement.adjusted_mutual_information;
+    if (all.permanova) {
+        table.permanova_f = all.permanova->pseudo_f;
+        table.permanova_p = all.permanova->p_value;
+        table.permanova_r2 = all.permanova->r_squared;
+        table.permutations = number(all.permanova->permutations);
     }
     return table;
 }
 
-void add_shapes(const StudyData& data, const std::vector<std::size_t>& kept, reports::ReportModel& model) {
-    for (const std::size_t i : kept) {
-        const StoredShape& shape = data.shapes[i];
-        reports::ReportShape entry;
-        entry.name = shape.name;
-        entry.label = shape.label;
-        entry.volume = shape.volume;
-        entry.notes = shape.notes;
-        model.shapes.push_back(std::move(entry));
+reports::Trust trust_of(const an::AnalysisResult& all) {
+    reports::Trust trust;
+    trust.triangles_checked = static_cast<long>(all.triangles.triangles);
+    trust.triangles_violated = static_cast<long>(all.triangles.violated);
+    trust.triangles_beyond_error = static_cast<long>(all.triangles.beyond_error);
+    for (const an::TriangleViolation& t : all.triangles.worst) {
+        trust.worst_triangles.push_back({number(t.first), number(t.via), number(t.last), t.excess, t.error});
     }
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        for (std::size_t j = i + 1; j < kept.size(); ++j) {
-            model.distances.push_back(data.distances(kept[i], kept[j]));
-            model.errors.push_back(data.distances.error(kept[i], kept[j]));
-            const auto& pair = data.pairs[data.index(kept[i], kept[j])];
+    trust.median_asymmetry = all.directions.median;
+    trust.max_asymmetry = all.directions.largest;
+    for (const an::DirectedPair& pair : all.directions.worst) {
+        trust.asymmetries.push_back({number(pair.first), number(pair.second), pair.forward, pair.backward});
+    }
+    if (!all.clusterings.empty()) trust.silhouettes = all.clusterings.front().silhouettes;
+    for (const an::ClusterStability& c : all.stability.clusters)
+        trust.stability.push_back({number(c.cluster), c.jaccard});
+    if (all.stability.runs > 0) trust.stability_rand = all.stability.mean_rand;
+    trust.perturbations = number(all.stability.runs);
+    trust.seed = static_cast<unsigned long>(all.options.seed);
+    for (const an::CloseClusters& c : all.close) {
+        trust.close_clusters.push_back({number(c.first), number(c.second), c.separation, c.error});
+    }
+    trust.remarks = all.remarks;
+    return trust;
+}
+
+/// Names, labels and distances of the kept shapes; the others become failures.
+void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::ReportModel& model) {
+    for (const std::size_t i : all.kept) {
+        reports::ReportShape shape;
+        shape.name = data.shapes[i].name;
+        shape.label = data.shapes[i].label;
+        shape.volume = data.shapes[i].volume;
+        shape.notes = data.shapes[i].notes;
+        model.shapes.push_back(std::move(shape));
+    }
+    for (const StudyFailure& failure : data.failures) model.failures.push_back({failure.a, failure.b, failure.reason});
+    for (const std::size_t i : all.left_out) {
+        model.failures.push_back({data.shapes[i].name, "", "no chain of trustworthy distances joins it to the others"});
+    }
+    for (std::size_t i = 0; i < all.kept.size(); ++i) {
+        for (std::size_t j = i + 1; j < all.kept.size(); ++j) {
+            model.distances.push_back(data.distances(all.kept[i], all.kept[j]));
+            model.errors.push_back(data.distances.error(all.kept[i], all.kept[j]));
+            const auto& pair = data.pairs[data.index(all.kept[i], all.kept[j])];
             if (pair && !pair->problem().empty()) {
-                model.trust.not_converged.push_back({static_cast<int>(i), static_cast<int>(j), pair->problem()});
+                model.trust.not_converged.push_back({number(i), number(j), pair->problem()});
             }
         }
     }
@@ -156,50 +122,37 @@ void add_shapes(const StudyData& data, const std::vector<std::size_t>& kept, rep
 
 }  // namespace
 
-AnalysedStudy analyse_study(const StudyData& data) {
+AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& options) {
+    an::AnalysisInput input;
+    for (const StoredShape& shape : data.shapes) input.classes.push_back(shape.label);
+    input.proceed = [](const char*) { return StopSignals::caught() == 0; };
     AnalysedStudy result;
+    result.analysis = an::analyse(data.distances, options, input);
+    const an::AnalysisResult& all = result.analysis;
     reports::ReportModel& model = result.model;
-    const an::GapTreatment gaps = an::fill_gaps(data.distances);
-    result.kept = gaps.kept;
-    add_shapes(data, gaps.kept, model);
+    model.trust = trust_of(all);
+    model.trust.remarks.insert(model.trust.remarks.end(), data.remarks.begin(), data.remarks.end());
+    add_shapes(data, all, model);
     model.dimension = data.dimension;
-    model.shapes_found = static_cast<int>(data.shapes.size() + data.unusable.size());
+    model.shapes_found = number(data.shapes.size() + data.unusable.size());
     model.pairs_total = static_cast<long>(data.distances.pair_count());
     model.pairs_done = model.pairs_total - data.pairs_missing;
-    for (const StudyFailure& failure : data.failures) model.failures.push_back({failure.a, failure.b, failure.reason});
-    for (const std::size_t i : gaps.left_out) {
-        model.failures.push_back({data.shapes[i].name, "", "no chain of trustworthy distances joins it to the others"});
-    }
-    if (!gaps.description.empty()) model.trust.remarks.push_back(gaps.description);
-    for (const std::string& remark : data.remarks) model.trust.remarks.push_back(remark);
     model.cpu_seconds = 0.0;
     for (const auto& pair : data.pairs) {
         if (pair && std::isfinite(pair->seconds)) model.cpu_seconds += pair->seconds;
     }
-
-    const an::DistanceMatrix& complete = gaps.complete;
-    const std::size_t n = complete.size();
-    if (n == 0) return result;
-    const an::Dendrogram average = an::linkage(complete, an::LinkageMethod::average);
-    model.linkages.push_back(linkage_tree(complete, an::LinkageMethod::average, average));
-    for (const auto method : {an::LinkageMethod::single, an::LinkageMethod::complete}) {
-        model.linkages.push_back(linkage_tree(complete, method, an::linkage(complete, method)));
+    for (const an::TreeResult& tree : all.trees) model.linkages.push_back(tree_of(tree));
+    for (const an::ClusterResult& c : all.clusterings) {
+        model.clusterings.push_back({c.method, c.cut, ints(c.clusters), ints(c.medoids), c.mean_silhouette});
     }
-    model.clusterings.push_back(clustering(complete, average));
-    model.embeddings.push_back(embedding(complete, 2));
-    if (n > 3) model.embeddings.push_back(embedding(complete, 3));
-    const an::DistanceMatrix known = data.distances.subset(gaps.kept);
-    model.spanning_tree = edges(an::minimum_spanning_tree(known));
-    model.graph_neighbours = static_cast<int>(std::min<std::size_t>(3, n - 1));
-    if (n > 1) {
-        model.neighbour_graph =
-            edges(an::nearest_neighbour_graph(known, static_cast<std::size_t>(model.graph_neighbours)));
+    for (const an::EmbeddingResult& e : all.embeddings) {
+        model.embeddings.push_back({e.method, number(e.embedding.dimensions), e.embedding.coordinates, e.stress,
+                                    e.stress_per_item, e.disparities});
     }
-    std::vector<std::string> labels;
-    for (const reports::ReportShape& shape : model.shapes) labels.push_back(shape.label);
-    if (an::class_counts(labels).size() > 1) model.classes.push_back(class_table(known, labels));
-    const std::vector<int>& clusters = model.clusterings.front().assignment;
-    model.trust.silhouettes = an::silhouette_widths(complete, {clusters.begin(), clusters.end()});
+    model.spanning_tree = edges_of(all.spanning_tree);
+    model.neighbour_graph = edges_of(all.neighbour_graph);
+    model.graph_neighbours = all.options.neighbors;
+    for (const an::ClassResult& ranking : all.class_results) model.classes.push_back(table_of(ranking, all));
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/study.h"
 #include "pipeline/study_data.h"
 #include "reports/report_model.h"
 
@@ -12,9 +13,9 @@ namespace morphodesic::pipeline {
 /// distances joins to the others stand among the failures, not among the shapes.
 struct AnalysedStudy {
     reports::ReportModel model;
-    std::vector<std::size_t> kept;  ///< model shape -> number in StudyData::shapes
+    analysis::AnalysisResult analysis;  ///< kept[i]: number in StudyData::shapes of shape i of the model
 };
-[[nodiscard]] AnalysedStudy analyse_study(const StudyData& data);
+[[nodiscard]] AnalysedStudy analyse_study(const StudyData& data, const analysis::AnalysisOptions& options);
 
 /// Pairs whose paths are worth a look, best first: between the medoids of the classes (else clusters), the nearest and
 /// the farthest pair, then every shape with its nearest neighbour. Numbers of model shapes, a < b, no pair twice; only

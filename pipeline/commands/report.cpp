@@ -59,7 +59,7 @@ int analyze(const StudyOptions& options) {
     const ResultStore store(folder.store(), ResultStore::Access::read);
     const StudyData data = load_study(store);
     Summary summary = summary_of(data, folder);
-    const AnalysedStudy analysed = analyse_study(data);
+    const AnalysedStudy analysed = analyse_study(data, options.analysis);
     export_tables(data, analysed, folder);
     summarise(analysed.model, summary);
     summary.lines.push_back("Tables: " + folder.path().string());
