@@ -41,8 +41,11 @@ IncludeGraph read_includes(const fs::path& top) {
     return graph;
 }
 
-std::string unit(const std::string& file) {
-    return file.substr(0, file.rfind('.'));
+/// Libraries whose own rules want their headers in quotes (Highway includes a file several times, by its path).
+bool of_a_library(const std::string& include) {
+    const auto slash = include.find('/');
+    return slash != std::string::npos && include[0] != '.' &&
+           std::find(folders.begin(), folders.end(), include.substr(0, slash)) == folders.end();
 }
 
 /// Whether an include in `from` may name `to`; both are paths relative to the top.
