@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/kernels.h"
 #include "analysis/parallel.h"
 #include "analysis/procrustes.h"
 #include "analysis/random.h"
@@ -22,16 +23,22 @@ public:
         : n_(distances.size()), options_(options), given_(distances.dense()) {
         for (const double d : distances.condensed()) given_squares_ += d * d;
         if (options_.metric) return;
-        order_.reserve(distances.pair_count());
+        struct Keyed {
+            double d;
+            Pair pair;
+        };
+        std::vector<Keyed> keyed;
+        keyed.reserve(distances.pair_count());
         for (std::size_t i = 0; i < n_; ++i) {
             for (std::size_t j = i + 1; j < n_; ++j) {
-                order_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+                keyed.push_back({given_[i * n_ + j], {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)}});
             }
         }
-        std::sort(order_.begin(), order_.end(), [&](const Pair& a, const Pair& b) {
-            const double x = given(a), y = given(b);
-            return x != y ? x < y : std::pair(a.i, a.j) < std::pair(b.i, b.j);
+        std::sort(keyed.begin(), keyed.end(), [](const Keyed& p, const Keyed& q) {
+            return p.d != q.d ? p.d < q.d : std::pair(p.pair.i, p.pair.j) < std::pair(q.pair.i, q.pair.j);
         });
+        order_.reserve(keyed.size());
+        for (const Keyed& k : keyed) order_.push_back(k.pair);
         for (std::size_t begin = 0; begin < order_.size();) {
             std::size_t end = begin + 1;
             while (end < order_.size() && given(order_[end]) == given(order_[begin])) ++end;
@@ -51,7 +58,7 @@ public:
         measure(state.x);
         double criterion = misfit_;
         for (std::size_t k = 0; k < iterations && !state.converged; ++k) {
-            transform(state.x);
+            state.x.swap(next_);
             measure(state.x);
             ++state.iterations;
             // The misfit to disparities of fixed size never grows; its root is the stress.
@@ -108,47 +115,42 @@ private:
         sum_rows(x);
     }
 
-    /// Sums of squared misfits and of squared distances over all ordered pairs.
+    /// One pass over all ordered pairs: sums of squared misfits and distances, and in next_ the Guttman transform
+    /// x_i <- 1/n sum_j disparity_ij / |x_i - x_j| (x_i - x_j).
     void sum_rows(const std::vector<double>& x) {
+        const std::size_t dim = options_.dimensions;
         row_misfit_.assign(n_, 0.0);
         row_squares_.assign(n_, 0.0);
+        next_.assign(x.size(), 0.0);
         const std::vector<double>& target = disparity();
-        with_dimensions([&](auto dim) {
-            parallel_for_each_index(n_, 16, [&](std::size_t i) {
-                double misfit = 0.0, squares = 0.0;
-                for (std::size_t j = 0; j < n_; ++j) {
-                    const double square = squared_distance(x, i, j, dim);
-                    const double difference = std::sqrt(square) - target[i * n_ + j];
-                    misfit += difference * difference;
-                    squares += square;
+        const double share = 1.0 / static_cast<double>(n_);
+        axes_.resize(n_ * dim);
+        for (std::size_t i = 0; i < n_; ++i) {
+            for (std::size_t a = 0; a < dim; ++a) axes_[a * n_ + i] = x[i * dim + a];
+        }
+        parallel_for_each_index(n_, 16, [&](std::size_t i) {
+            const double* const row = &target[i * n_];
+            if (dim == 2 || dim == 3) {
+                const double* const axes[3] = {&axes_[0], &axes_[n_], dim == 3 ? &axes_[2 * n_] : nullptr};
+                const GuttmanRow sums =
+                    dim == 2 ? guttman_row_2d(n_, axes, &x[i * dim], row) : guttman_row_3d(n_, axes, &x[i * dim], row);
+                for (std::size_t a = 0; a < dim; ++a) next_[i * dim + a] = share * sums.sum[a];
+                row_misfit_[i] = sums.misfit;
+                row_squares_[i] = sums.squares;
+                return;
+            }
+            for (std::size_t j = 0; j < n_; ++j) {
+                const double square = squared_distance(x, i, j, dim), length = std::sqrt(square);
+                row_misfit_[i] += (length - row[j]) * (length - row[j]);
+                row_squares_[i] += square;
+                if (length == 0.0) continue;
+                for (std::size_t a = 0; a < dim; ++a) {
+                    next_[i * dim + a] += share * row[j] / length * (x[i * dim + a] - x[j * dim + a]);
                 }
-                row_misfit_[i] = misfit;
-                row_squares_[i] = squares;
-            });
+            }
         });
         misfit_ = std::accumulate(row_misfit_.begin(), row_misfit_.end(), 0.0);
         squares_ = std::accumulate(row_squares_.begin(), row_squares_.end(), 0.0);
-    }
-
-    /// Guttman transform: x_i <- 1/n sum_j disparity_ij / |x_i - x_j| (x_i - x_j).
-    void transform(std::vector<double>& x) {
-        const std::vector<double>& target = disparity();
-        next_.assign(x.size(), 0.0);
-        const double share = 1.0 / static_cast<double>(n_);
-        with_dimensions([&](auto dim) {
-            parallel_for_each_index(n_, 16, [&](std::size_t i) {
-                double sum[max_fixed] = {};
-                std::vector<double> many(dim > max_fixed ? dim : 0, 0.0);
-                double* const to = dim > max_fixed ? many.data() : sum;
-                for (std::size_t j = 0; j < n_; ++j) {
-                    const double square = squared_distance(x, i, j, dim);
-                    const double ratio = square > 0.0 ? target[i * n_ + j] / std::sqrt(square) : 0.0;
-                    for (std::size_t a = 0; a < dim; ++a) to[a] += ratio * (x[i * dim + a] - x[j * dim + a]);
-                }
-                for (std::size_t a = 0; a < dim; ++a) next_[i * dim + a] = share * to[a];
-            });
-        });
-        x.swap(next_);
     }
 
     /// Monotone regression on the order of the given distances, with the sum of squares of the given distances.
@@ -209,28 +211,13 @@ private:
         return result;
     }
 
-    static constexpr std::size_t max_fixed = 3;
-
-    template <class Dim>
-    static double squared_distance(const std::vector<double>& x, std::size_t i, std::size_t j, Dim dim) {
+    static double squared_distance(const std::vector<double>& x, std::size_t i, std::size_t j, std::size_t dim) {
         double square = 0.0;
         for (std::size_t a = 0; a < dim; ++a) {
             const double difference = x[i * dim + a] - x[j * dim + a];
             square += difference * difference;
         }
         return square;
-    }
-
-    /// Two and three dimensions as constants, so that the inner loops unroll.
-    template <class Body>
-    void with_dimensions(const Body& body) const {
-        if (options_.dimensions == 2) {
-            body(std::integral_constant<std::size_t, 2>());
-        } else if (options_.dimensions == 3) {
-            body(std::integral_constant<std::size_t, 3>());
-        } else {
-            body(options_.dimensions);
-        }
     }
 
     std::size_t n_;
@@ -240,7 +227,7 @@ private:
     double misfit_ = 0.0, squares_ = 0.0;                    // over ordered pairs
     std::vector<Pair> order_;                                // pairs by given distance
     std::vector<std::pair<std::size_t, std::size_t>> ties_;  // ranges of equal given distances in order_
-    std::vector<double> ordered_, next_, row_misfit_, row_squares_;
+    std::vector<double> ordered_, axes_, next_, row_misfit_, row_squares_;
 };
 
 }  // namespace
@@ -251,6 +238,10 @@ Smacof smacof(const DistanceMatrix& distances, const SmacofOptions& options) {
     }
     if (distances.missing_count() > 0) throw std::invalid_argument("SMACOF needs all distances; fill the gaps first");
     const std::size_t n = distances.size();
+    if (options.initial != nullptr &&
+        (options.initial->dimensions != options.dimensions || options.initial->size() != n)) {
+        throw std::invalid_argument("SMACOF: the initial embedding has other items or dimensions");
+    }
     Majorization majorization(distances, options);
     std::vector<Majorization::State> states(options.starts);
     const double size = distances.pair_count() == 0
@@ -262,7 +253,9 @@ Smacof smacof(const DistanceMatrix& distances, const SmacofOptions& options) {
         options.starts == 1 ? 0
                             : std::min(options.max_iterations, std::max<std::size_t>(5, options.max_iterations / 10));
     for (std::size_t s = 0; s < options.starts; ++s) {
-        if (s == 0) {
+        if (s == 0 && options.initial != nullptr) {
+            states[s].x = options.initial->coordinates;
+        } else if (s == 0) {
             states[s].x = classical_mds(distances, options.dimensions).embedding.coordinates;
         } else {
             Random random(options.seed, s);

@@ -19,6 +19,7 @@ struct SmacofOptions {
     std::size_t max_iterations = 300;  ///< for the start that is refined; the others get a tenth for the selection
     double tolerance = 1e-6;           ///< stop when an iteration lowers the stress by less than this share, > 0
     std::uint64_t seed = 1;
+    const Embedding* initial = nullptr;  ///< the first start, instead of classical scaling
 };
 
 struct SmacofRun {

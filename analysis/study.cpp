@@ -267,6 +267,10 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
                 s.metric = metric;
                 s.starts = static_cast<std::size_t>(options.embedding_starts);
                 s.seed = seed;
+                if (!metric) {  // from the metric picture; other starts only where they are cheap
+                    s.initial = &scaled[dimensions - 2].embedding;
+                    if (n > 900) s.starts = 1;
+                }
                 s.max_iterations = options.embedding_iterations > 0
                                        ? static_cast<std::size_t>(options.embedding_iterations)
                                        : by_size(metric ? 4e8 : 1e8, 500.0);

@@ -60,9 +60,10 @@ int main(int argc, char** argv) {
                 static_cast<double>(usage.ru_maxrss) / 1024.0);
     for (const std::string& remark : result.remarks) std::fprintf(stderr, "%s\n", remark.c_str());
     for (const EmbeddingResult& e : result.embeddings) {
-        std::fprintf(stderr, "%s %zuD stress %.4f after %zu iterations\n", e.method.c_str(), e.embedding.dimensions, e.stress,
-                     e.iterations);
+        std::fprintf(stderr, "%s %zuD stress %.4f after %zu iterations\n", e.method.c_str(), e.embedding.dimensions,
+                     e.stress, e.iterations);
     }
     std::fprintf(stderr, "clusters %zu, 1-NN %.3f, stability %.3f\n", cluster_count(result.clusterings[0].clusters),
-                 result.class_results.empty() ? 0.0 : result.class_results[0].nearest[0].accuracy, result.stability.mean_rand);
+                 result.class_results.empty() ? 0.0 : result.class_results[0].nearest[0].accuracy,
+                 result.stability.mean_rand);
 }
