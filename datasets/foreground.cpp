@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
+#include "datasets/background.h"
 #include "datasets/read_error.h"
 
 namespace morphodesic::datasets {
@@ -13,16 +13,6 @@ namespace morphodesic::datasets {
 namespace {
 
 constexpr const char* try_foreground = "if there is a shape in it, say which with --foreground dark, light or alpha";
-
-std::vector<std::size_t> border_pixels(const PixelImage& image) {
-    std::vector<std::size_t> border;
-    const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    for (std::size_t y = 0; y < height; ++y) {
-        for (std::size_t x = 0; x < width; x += (y == 0 || y + 1 == height || width == 1) ? 1 : width - 1)
-            border.push_back(y * width + x);
-    }
-    return border;
-}
 
 /// Values of one number per pixel, split into two classes.
 struct Split {
@@ -82,43 +72,6 @@ Split otsu(const std::vector<float>& values, double smallest_contrast) {
     return split;
 }
 
-/// Colours in [0,1], transparent pixels laid over a tone.
-std::array<float, 3> colour_over(const PixelImage& image, std::size_t pixel, float tone) {
-    const std::uint16_t* v = image.at(pixel);
-    const auto scale = static_cast<float>(1.0 / image.max_value);
-    std::array<float, 3> c{};
-    for (int k = 0; k < 3; ++k)
-        c[static_cast<std::size_t>(k)] = scale * static_cast<float>(v[image.colours() == 3 ? k : 0]);
-    if (image.has_alpha()) {
-        const float alpha = scale * static_cast<float>(v[image.channels - 1]);
-        for (float& x : c) x = alpha * x + (1.0F - alpha) * tone;
-    }
-    return c;
-}
-
-/// Mean colour of the most common cell of the colour cube (16 per axis) along the border, with the cells around it.
-std::array<float, 3> border_colour(const std::vector<std::array<float, 3>>& border) {
-    std::map<std::array<int, 3>, int> cells;
-    const auto cell_of = [](const std::array<float, 3>& c) {
-        return std::array<int, 3>{static_cast<int>(c[0] * 15.99F), static_cast<int>(c[1] * 15.99F),
-                                  static_cast<int>(c[2] * 15.99F)};
-    };
-    for (const auto& c : border) ++cells[cell_of(c)];
-    const auto most = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) {
-                          return a.second < b.second;
-                      })->first;
-    std::array<double, 3> sum{};
-    double n = 0.0;
-    for (const auto& c : border) {
-        const auto cell = cell_of(c);
-        if (std::abs(cell[0] - most[0]) > 1 || std::abs(cell[1] - most[1]) > 1 || std::abs(cell[2] - most[2]) > 1)
-            continue;
-        for (std::size_t k = 0; k < 3; ++k) sum[k] += c[k];
-        n += 1.0;
-    }
-    return {static_cast<float>(sum[0] / n), static_cast<float>(sum[1] / n), static_cast<float>(sum[2] / n)};
-}
-
 class ForegroundFinder {
 public:
     ForegroundFinder(const PixelImage& image, const Coverage& hidden, const std::filesystem::path& file,
@@ -154,23 +107,12 @@ public:
     }
 
 private:
-    /// Pixels along the border that are not hidden; all of them if all are.
-    [[nodiscard]] std::vector<std::size_t> seen_border() const {
-        std::vector<std::size_t> all = border_pixels(image_);
-        if (hidden_.values.empty()) return all;
-        std::vector<std::size_t> seen;
-        for (const std::size_t p : all) {
-            if (hidden_.values[p] <= 0.5F) seen.push_back(p);
-        }
-        return seen.empty() ? all : seen;
-    }
-
     bool border_is_transparent() {
         if (!image_.has_alpha()) return false;
         const auto transparent = [&](std::size_t p) {
             return image_.at(p)[image_.channels - 1] < 0.5 * image_.max_value;
         };
-        const std::vector<std::size_t> border = seen_border();
+        const std::vector<std::size_t> border = ring_pixels(image_, 0, hidden_);
         return 2 * std::count_if(border.begin(), border.end(), transparent) >
                static_cast<std::ptrdiff_t>(border.size());
     }
@@ -182,19 +124,20 @@ private:
     }
 
     void from_border_colour() {
-        std::vector<std::array<float, 3>> border;
-        for (const std::size_t p : seen_border()) border.push_back(colour_over(image_, p, 1.0F));
-        const std::array<float, 3> background = border_colour(border);
+        const int frame = frame_depth(image_, hidden_);
+        if (frame > 0) {
+            notes_.emplace_back("A frame around the picture was left out; --foreground dark or light keeps it.");
+        }
+        const Background background(image_, frame, hidden_);
+        if (background.uneven()) notes_.emplace_back("The background is lit unevenly; that was evened out.");
         for (std::size_t p = 0; p < result_.values.size(); ++p) {
-            const std::array<float, 3> c = colour_over(image_, p, 1.0F);
-            float squared = 0.0F;
-            for (std::size_t k = 0; k < 3; ++k) squared += (c[k] - background[k]) * (c[k] - background[k]);
-            result_.values[p] = std::sqrt(squared / 3.0F);
+            result_.values[p] =
+                in_frame(p, frame) ? 0.0F : colour_distance(colour_over(image_, p, 1.0F), background.at(p));
         }
         const Split split = checked_split();
         finish(0.0, split.share_near_high > 0.8 ? split.high : 2.0 * split.threshold);
         double object = 0.0;
-        const std::vector<std::size_t> ring = seen_border();
+        const std::vector<std::size_t> ring = ring_pixels(image_, frame, hidden_);
         for (const std::size_t p : ring) object += result_.values[p] >= 0.5F ? 1.0 : 0.0;
         if (object > 0.4 * double(ring.size())) {
             char text[160];
@@ -205,9 +148,15 @@ private:
         }
     }
 
+    [[nodiscard]] bool in_frame(std::size_t pixel, int depth) const {
+        const int x = static_cast<int>(pixel % static_cast<std::size_t>(image_.width));
+        const int y = static_cast<int>(pixel / static_cast<std::size_t>(image_.width));
+        return x < depth || y < depth || x >= image_.width - depth || y >= image_.height - depth;
+    }
+
     void from_brightness(bool dark) {
         for (std::size_t p = 0; p < result_.values.size(); ++p) {
-            const std::array<float, 3> c = colour_over(image_, p, dark ? 1.0F : 0.0F);
+            const Colour c = colour_over(image_, p, dark ? 1.0F : 0.0F);
             const float brightness = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
             result_.values[p] = dark ? 1.0F - brightness : brightness;
         }
@@ -264,7 +213,7 @@ Coverage object_coverage(const PixelImage& image, const std::string& foreground,
 }
 
 Coverage occluder_pixels(const PixelImage& image, const std::string& occluder) {
-    std::array<float, 3> colour{};
+    Colour colour{};
     if (occluder != "alpha") {
         for (std::size_t k = 0; k < 3; ++k)
             colour[k] = static_cast<float>(std::stoi(occluder.substr(1 + 2 * k, 2), nullptr, 16)) / 255.0F;
@@ -275,10 +224,7 @@ Coverage occluder_pixels(const PixelImage& image, const std::string& occluder) {
             found[p] = image.has_alpha() && image.at(p)[image.channels - 1] < 0.5 * image.max_value;
             continue;
         }
-        const std::array<float, 3> c = colour_over(image, p, 1.0F);
-        float squared = 0.0F;
-        for (std::size_t k = 0; k < 3; ++k) squared += (c[k] - colour[k]) * (c[k] - colour[k]);
-        found[p] = squared / 3.0F < 0.05F * 0.05F;
+        found[p] = colour_distance(colour_over(image, p, 1.0F), colour) < 0.05F;
     }
     // A single pixel of this colour may be a mixture of object and background at an edge; occluders are wider.
     const auto at = [&](int x, int y) {

@@ -88,9 +88,14 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     shape.occlusion_mask = raw.geometry->occlusion_mask(grid, placement);
     shape.scale = placement.scale;
     shape.volume = raw.volume * std::pow(placement.scale, Dim);
-    if (std::none_of(shape.level_set.values.begin(), shape.level_set.values.end(), [](double u) { return u > 0.0; })) {
+    const double depth = *std::max_element(shape.level_set.values.begin(), shape.level_set.values.end());
+    if (!(depth > 0.0)) {
         throw ReadError(raw.source.path, "at the collection's scale no node of the grid lies in the shape",
                         "use a finer --level, or --normalize each, or leave the shape out");
+    }
+    if (depth < grid.spacing()) {
+        shape.notes.emplace_back(
+            "Thinner than two cells of the grid everywhere: use a finer --level or --normalize each.");
     }
     shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);
     return shape;

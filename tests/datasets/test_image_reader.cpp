@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "datasets/image_pixels.h"
 #include "datasets/read_error.h"
@@ -202,6 +203,43 @@ TEST(ImageReader, TheMaskBesideAnImageTellsWhereItIsHidden) {
     EXPECT_NE(shape.digest, open);
     save(folder / "q.mask.png", mask(cv::Rect(0, 0, 32, 64)));
     EXPECT_THROW(read(file), ReadError);
+}
+
+TEST(ImageReader, NoiseAndUnevenLightDoNotHideTheObject) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat disk = disk_picture(200, 90, 105, 40);
+    cv::Mat noise(200, 200, CV_32F), light(200, 200, CV_32F);
+    cv::theRNG().state = 3;
+    cv::randn(noise, 0, 15);
+    const RawShape<2> noisy = read(save(folder / "noise.png", toned(disk, 200, 60, CV_32F) + noise));
+    EXPECT_NEAR(noisy.volume, pi * 1600, 0.01 * pi * 1600);
+    // The far side of the background is darker than the object would be on the near side.
+    for (int y = 0; y < 200; ++y) {
+        for (int x = 0; x < 200; ++x)
+            light.at<float>(y, x) = 140.0F + 0.4F * static_cast<float>(x) + 0.1F * static_cast<float>(y);
+    }
+    cv::Mat lit = light.mul(1.0 - 0.5 * disk);
+    lit.convertTo(lit, CV_8U);
+    const RawShape<2> raw = read(save(folder / "light.png", lit));
+    EXPECT_NEAR(raw.volume, pi * 1600, 0.02 * pi * 1600);
+    EXPECT_THAT(raw.notes, Contains(HasSubstr("unevenly")));
+}
+
+TEST(ImageReader, AFrameAroundThePictureIsLeftOut) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat disk = toned(disk_picture(200, 90, 105, 40), 255, 0);
+    for (const auto& [inset, width] : {std::make_pair(0, 1), std::make_pair(0, 4), std::make_pair(5, 2)}) {
+        cv::Mat framed = disk.clone();
+        for (int k = inset; k < inset + width; ++k)
+            cv::rectangle(framed, cv::Point(k, k), cv::Point(199 - k, 199 - k), 0);
+        const RawShape<2> raw = read(save(folder / "a.png", framed));
+        EXPECT_NEAR(raw.volume, pi * 1600, 0.01 * pi * 1600) << inset << " " << width;
+        EXPECT_THAT(raw.notes, Contains(HasSubstr("frame")));
+    }
+    // A filled rectangle with a thin margin is not a frame.
+    cv::Mat filled(200, 200, CV_8U, cv::Scalar(255));
+    filled(cv::Rect(3, 3, 194, 194)) = 0;
+    EXPECT_NEAR(read(save(folder / "b.png", filled)).volume, 194 * 194, 5);
 }
 
 TEST(ImageReader, AnOccluderIsFoundByItsColour) {

@@ -64,6 +64,13 @@ TEST(Normalize, AShapeTooLargeForTheScaleIsShrunkAndThatIsSaid) {
     EXPECT_THAT(shape.notes, Contains(HasSubstr("Too large")));
 }
 
+TEST(Normalize, AShapeTooThinForTheGridIsNoted) {
+    NormalizeOptions options;
+    EXPECT_THAT(normalize(raw_bar(30, 1), options).notes, Contains(HasSubstr("Thinner than two cells")));
+    options.level = 8;
+    EXPECT_THAT(normalize(raw_bar(30, 1), options).notes, IsEmpty());
+}
+
 TEST(Normalize, AShapeThatFallsThroughTheGridIsRefused) {
     NormalizeOptions options;
     options.scale = 0.001;
