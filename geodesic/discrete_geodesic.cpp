@@ -204,27 +204,30 @@ private:
         if (!result.levels.empty()) result.levels.back().min_det = result.min_det;
     }
 
-    /// First order in h: the length on the last two levels extrapolates to twice the last minus the one before. The bar
-    /// adds the change from the last doubling of K and the unconverged rest of the energy.
+    /// The lengths on the last levels grow like a geometric series in h; its ratio q = d_L / d_{L-1} of successive
+    /// differences gives the rest d_L q / (1 - q) (Richardson with a measured order; q = 1/2 is first order). The bar
+    /// adds the change from the last doubling of K and what the tolerance leaves.
     void error_bar(GeodesicResult<Dim>& result) const {
-        const auto& levels = result.levels;
-        double coarser = std::numeric_limits<double>::quiet_NaN(), fewer = coarser, same = coarser;
-        for (const auto& report : levels) {
-            if (report.level == options_.level - 1 && report.time_steps == options_.time_steps)
-                coarser = report.path_length;
+        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+        double coarser = nan, coarsest = nan, fewer = nan, same = nan;
+        for (const auto& report : result.levels) {
+            const bool all_steps = report.time_steps == options_.time_steps;
+            if (report.level == options_.level - 1 && all_steps) coarser = report.path_length;
+            if (report.level == options_.level - 2 && all_steps) coarsest = report.path_length;
             if (2 * report.time_steps == options_.time_steps) fewer = report.path_length;
-            if (report.time_steps == options_.time_steps && std::isnan(same)) same = report.path_length;
+            if (all_steps && std::isnan(same)) same = report.path_length;
         }
-        const double in_space = result.path_length - coarser;
-        const double in_time = std::isnan(fewer) ? 0.0 : same - fewer;
-        const double unconverged = options_.tolerance * result.path_length;
-        if (std::isnan(in_space)) {  // a single level: nothing to extrapolate from
+        if (std::isnan(coarser)) {  // a single level: nothing to extrapolate from
             result.extrapolated_length = result.path_length;
             result.error = result.path_length;
             return;
         }
-        result.extrapolated_length = result.path_length + in_space;
-        result.error = 1.25 * std::abs(in_space) + 0.5 * std::abs(in_time) + unconverged;
+        const double last = result.path_length - coarser, before = coarser - coarsest;
+        const double ratio = std::isnan(before) || before == 0.0 ? 0.65 : std::clamp(last / before, 0.5, 0.65);
+        const double rest = last * ratio / (1.0 - ratio);
+        const double in_time = std::isnan(fewer) ? 0.0 : same - fewer;
+        result.extrapolated_length = result.path_length + rest;
+        result.error = 1.25 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
     }
 
     const LevelSet<Dim>& a_;

@@ -55,6 +55,7 @@ double least_bernstein(const double (&w)[3][8], double inverse_h, const Point<3>
             }
         }
     }
+    const bool folds = !(*std::min_element(&f[0][0][0], &f[0][0][0] + 27) > 0);  // certainly: no use in splitting
     // Values at 0, 1/2, 1 to Bernstein coefficients: b0 = f0, b1 = 2 f(1/2) - (f0 + f1) / 2, b2 = f1.
     for (int a = 0; a < 3; ++a) {
         for (int b = 0; b < 3; ++b) f[a][b][1] = 2 * f[a][b][1] - 0.5 * (f[a][b][0] + f[a][b][2]);
@@ -66,7 +67,7 @@ double least_bernstein(const double (&w)[3][8], double inverse_h, const Point<3>
         for (int b = 0; b < 3; ++b) f[1][a][b] = 2 * f[1][a][b] - 0.5 * (f[0][a][b] + f[2][a][b]);
     }
     const double least = *std::min_element(&f[0][0][0], &f[0][0][0] + 27);
-    if (least > 0 || splits == 0) return least;
+    if (least > 0 || splits == 0 || folds) return least;
     double refined = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 8; ++c) {
         Point<3> corner = low;

@@ -82,8 +82,9 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             lbfgs_direction(pairs, preconditioner, gradient, work, direction);
             slope = kernels::dot(gradient, std::span<const double>(direction));
         }
-        if (!(slope < 0)) {
-            summary.termination = terms.total > 0 && slope == 0 ? Termination::converged : Termination::no_descent;
+        // Nothing left to gain beside rounding: also the case of two equal shapes.
+        if (-slope <= 1e-12 * terms.total || terms.total < 1e-20) {
+            summary.termination = slope <= 0 ? Termination::converged : Termination::no_descent;
             break;
         }
 

@@ -1,0 +1,218 @@
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+
+#include "geodesic/energy/area_energy.h"
+#include "geodesic/energy/heaviside.h"
+#include "geodesic/energy/path_energy.h"
+#include "geodesic/energy/stored_energy_density.h"
+#include "geodesic/grid/q1_element.h"
+#include "tests/support/path_problems.h"
+
+namespace morphodesic {
+namespace {
+
+template <class T>
+class PathEnergyIn : public testing::Test {};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(PathEnergyIn, Dimensions);
+
+constexpr int level_of(int dim) {
+    return dim == 2 ? 7 : 5;
+}
+
+/// Which unknowns move in a Taylor test.
+enum class Part { deformations, shapes, all };
+
+template <int Dim>
+double order(const GeodesicOptions& options, Part part, const ScalarField<Dim>& mask = {}) {
+    tests::PathProblem<Dim> problem(level_of(Dim), 2, options, mask);
+    const auto& layout = problem.energy.layout();
+    for (std::size_t i = 0; i < layout.size(); ++i) {
+        const bool shape = i >= layout.level_set(1);
+        if ((part == Part::deformations && shape) || (part == Part::shapes && !shape)) problem.direction[i] = 0.0;
+    }
+    std::vector<double> gradient(problem.x.size());
+    problem.energy.evaluate(problem.x, gradient);
+    double norm = 0.0;
+    for (std::size_t i = 0; i < gradient.size(); ++i) norm += std::abs(gradient[i] * problem.direction[i]);
+    EXPECT_GT(norm, 1e-6) << "a gradient without effect would pass for the wrong reason";
+    const auto energy = [&](const std::vector<double>& x) { return problem.energy.evaluate(x, {}).total; };
+    return tests::taylor_order(energy, gradient, problem.x, problem.direction, 0.1 * layout.grid.spacing());
+}
+
+/// Only one of the three energies.
+GeodesicOptions only_deformation() {
+    GeodesicOptions o;
+    o.mismatch_weight_per_step = 1e-12;
+    return o;
+}
+GeodesicOptions only_mismatch() {
+    GeodesicOptions o;
+    o.lambda = 0.0;
+    o.mu = 1e-12;
+    return o;
+}
+GeodesicOptions only_area() {
+    GeodesicOptions o = only_mismatch();
+    o.mismatch_weight_per_step = 1e-12;
+    o.area_weight = 1.0;
+    return o;
+}
+
+TYPED_TEST(PathEnergyIn, DeformationEnergyGradientInPhiPassesTaylorTest) {
+    EXPECT_NEAR(order<TypeParam::value>(only_deformation(), Part::deformations), 2.0, 0.1);
+}
+TYPED_TEST(PathEnergyIn, DeformationEnergyGradientInUPassesTaylorTest) {
+    EXPECT_NEAR(order<TypeParam::value>(only_deformation(), Part::shapes), 2.0, 0.1);
+}
+TYPED_TEST(PathEnergyIn, MismatchGradientInPhiPassesTaylorTest) {
+    // Q1 fields have kinks at cell faces that a moved point may cross: the order is a little below 2.
+    EXPECT_GT(order<TypeParam::value>(only_mismatch(), Part::deformations), 1.8);
+}
+TYPED_TEST(PathEnergyIn, MismatchGradientInUPassesTaylorTest) {
+    EXPECT_NEAR(order<TypeParam::value>(only_mismatch(), Part::shapes), 2.0, 0.1);
+}
+TYPED_TEST(PathEnergyIn, AreaGradientInUPassesTaylorTest) {
+    EXPECT_NEAR(order<TypeParam::value>(only_area(), Part::shapes), 2.0, 0.1);
+}
+TYPED_TEST(PathEnergyIn, WholeGradientPassesTaylorTest) {
+    GeodesicOptions o;
+    o.area_weight = 0.01;
+    EXPECT_GT(order<TypeParam::value>(o, Part::all), 1.8);
+}
+TYPED_TEST(PathEnergyIn, MaskedGradientPassesTaylorTest) {
+    constexpr int dim = TypeParam::value;
+    ScalarField<dim> mask{DyadicGrid<dim>(level_of(dim))};
+    for (std::size_t i = 0; i < mask.values.size(); ++i) {
+        mask.values[i] = smooth_heaviside(mask.grid.position(mask.grid.node(i))[0] - 0.45, 0.05);
+    }
+    EXPECT_GT(order<dim>(GeodesicOptions{}, Part::all, mask), 1.8);
+}
+
+TYPED_TEST(PathEnergyIn, BarrierGradientPassesTaylorTest) {
+    // Squeezed to det = 0.15 in the background: the barrier acts, nothing else does.
+    constexpr int dim = TypeParam::value;
+    GeodesicOptions o = only_mismatch();
+    o.mismatch_weight_per_step = 1e-12;
+    tests::PathProblem<dim> problem(level_of(dim), 1, o);
+    const auto& layout = problem.energy.layout();
+    for (std::size_t i = 0; i < layout.nodes(); ++i) {
+        const auto x = layout.grid.position(layout.grid.node(i));
+        for (int a = 0; a < dim; ++a) problem.x[layout.displacement(1, a) + i] = 0.0;
+        double bump = 1.0;
+        for (std::size_t a = 1; a < dim; ++a) bump *= std::sin(std::numbers::pi * x[a]);
+        problem.x[layout.displacement(1, 0) + i] =
+            0.85 / (2 * std::numbers::pi) * std::sin(2 * std::numbers::pi * x[0]) * bump;
+    }
+    std::vector<double> gradient(problem.x.size());
+    const auto terms = problem.energy.evaluate(problem.x, gradient);
+    ASSERT_GT(terms.barrier, 1e-7);
+    ASSERT_LT(terms.min_det, 0.2);
+    const auto energy = [&](const std::vector<double>& x) { return problem.energy.evaluate(x, {}).total; };
+    EXPECT_GT(tests::taylor_order(energy, gradient, problem.x, problem.direction, 0.05 * layout.grid.spacing()), 1.8);
+}
+
+/// The energies again, written down naively.
+template <int Dim>
+double naive_energy(const PathEnergy<Dim>& energy, const std::vector<double>& x, const ScalarField<Dim>& mask) {
+    const auto& layout = energy.layout();
+    const auto& grid = layout.grid;
+    const auto& o = energy.options();
+    const auto offsets = q1::corner_offsets(grid);
+    const double h = grid.spacing(), eps = energy.eps();
+    double total = 0.0;
+    for (int k = 1; k <= layout.time_steps; ++k) {
+        q1::for_each_cell(grid, [&](std::size_t node) {
+            for (int q = 0; q < (1 << Dim); ++q) {
+                Point<Dim> local{}, here = grid.position(grid.node(node));
+                for (int a = 0; a < Dim; ++a) {
+                    local[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
+                    here[static_cast<std::size_t>(a)] += h * local[static_cast<std::size_t>(a)];
+                }
+                const double u = q1::value(grid, energy.level_set(x, k - 1), here);
+                const double chi = k == 1 && !mask.values.empty() ? q1::value(grid, mask.values.data(), here) : 1.0;
+                std::array<double, Dim * Dim> b{};
+                Point<Dim> there = here;
+                for (int i = 0; i < Dim; ++i) {
+                    for (int c = 0; c < (1 << Dim); ++c) {
+                        const double w = x[layout.displacement(k, i) + node + offsets[static_cast<std::size_t>(c)]];
+                        there[static_cast<std::size_t>(i)] += q1::shape<Dim>(c, local) * w;
+                        for (int j = 0; j < Dim; ++j) {
+                            b[static_cast<std::size_t>(i * Dim + j)] += q1::shape_slope<Dim>(c, local, j) * w / h;
+                        }
+                    }
+                }
+                const double v = q1::value(grid, energy.level_set(x, k), there);
+                const double weight = (1 - o.outside_stiffness) * smooth_heaviside(u, eps) + o.outside_stiffness;
+                const double residual = smooth_heaviside(v, eps) - smooth_heaviside(u, eps);
+                const double volume = std::pow(h, Dim) / (1 << Dim);
+                total += volume * (layout.time_steps * weight * stored_energy_density<Dim>(b, o.lambda, o.mu) +
+                                   energy.eta() * chi * residual * residual);
+            }
+        });
+    }
+    return total;
+}
+
+TYPED_TEST(PathEnergyIn, KernelsAgreeWithTheFormulas) {
+    constexpr int dim = TypeParam::value;
+    ScalarField<dim> mask{DyadicGrid<dim>(4)};
+    for (std::size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = mask.grid.position(mask.grid.node(i))[1];
+    tests::PathProblem<dim> problem(4, 3, GeodesicOptions{}, mask);
+    const double fast = problem.energy.evaluate(problem.x, {}).total;
+    EXPECT_NEAR(fast, naive_energy<dim>(problem.energy, problem.x, mask), 1e-11 * fast);
+}
+
+TYPED_TEST(PathEnergyIn, BitsDoNotDependOnThreads) {
+    constexpr int dim = TypeParam::value;
+    tests::PathProblem<dim> problem(level_of(dim), 4, GeodesicOptions{});
+    std::vector<double> first(problem.x.size()), second(problem.x.size());
+    double one = 0.0, eight = 0.0;
+    {
+        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+        one = problem.energy.evaluate(problem.x, first).total;
+    }
+    {
+        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 8);
+        eight = problem.energy.evaluate(problem.x, second).total;
+    }
+    EXPECT_EQ(one, eight);
+    EXPECT_EQ(first, second);
+}
+
+TYPED_TEST(PathEnergyIn, FoldedDeformationHasInfiniteEnergy) {
+    constexpr int dim = TypeParam::value;
+    tests::PathProblem<dim> problem(4, 2, GeodesicOptions{});
+    for (auto& value : problem.x) value *= 30.0;
+    EXPECT_EQ(problem.energy.evaluate(problem.x, {}).total, std::numeric_limits<double>::infinity());
+}
+
+TYPED_TEST(PathEnergyIn, LengthSquaredIsAtMostThePathEnergy) {
+    constexpr int dim = TypeParam::value;
+    tests::PathProblem<dim> problem(4, 4, GeodesicOptions{});
+    const auto terms = problem.energy.evaluate(problem.x, {});
+    EXPECT_GT(terms.path_length(), 0.0);
+    EXPECT_LE(terms.path_length() * terms.path_length(), terms.path_energy() * (1 + 1e-12));
+}
+
+TYPED_TEST(PathEnergyIn, RefusesDifferentGrids) {
+    constexpr int dim = TypeParam::value;
+    EXPECT_THROW(PathEnergy<dim>(tests::ball<dim>(4, 0.2), tests::ball<dim>(5, 0.2), 2, GeodesicOptions{}),
+                 std::invalid_argument);
+}
+
+TEST(AreaEnergy, CircleAndSphere) {
+    // int |grad H_eps(u)| of a distance function tends to the length of the contour; the arctan's tails cost eps / r.
+    const auto disk = tests::ball<2>(8, 0.3);
+    const auto solid = tests::ball<3>(6, 0.3);
+    const double length = area_energy<2>(disk.grid, disk.values.data(), disk.grid.spacing(), 1.0, nullptr);
+    EXPECT_NEAR(length, 2 * std::numbers::pi * 0.3, 0.02 * length);
+    const double area = area_energy<3>(solid.grid, solid.values.data(), solid.grid.spacing(), 1.0, nullptr);
+    EXPECT_NEAR(area, 4 * std::numbers::pi * 0.09, 0.1 * area);
+}
+
+}  // namespace
+}  // namespace morphodesic

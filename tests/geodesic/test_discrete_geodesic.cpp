@@ -1,0 +1,177 @@
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "geodesic/discrete_geodesic.h"
+#include "tests/support/path_problems.h"
+
+namespace morphodesic {
+namespace {
+
+GeodesicOptions options_for(int level, int steps) {
+    GeodesicOptions o;
+    o.level = level;
+    o.time_steps = steps;
+    o.align = "none";
+    o.starts = 1;
+    o.tolerance = 1e-3;
+    return o;
+}
+
+/// sqrt(pi (2 lambda + 2 mu)) |r1 - r0| (method of the closed form: v = (r'/r) x).
+double disk_length(double r0, double r1) {
+    return std::sqrt(std::numbers::pi * 8.0) * std::abs(r1 - r0);
+}
+/// sqrt(pi (6 lambda + 4 mu)) 2/3 |r1^(3/2) - r0^(3/2)|
+double ball_length(double r0, double r1) {
+    return std::sqrt(std::numbers::pi * 22.0) * 2.0 / 3.0 * std::abs(std::pow(r1, 1.5) - std::pow(r0, 1.5));
+}
+
+TEST(DiscreteGeodesic, DisksConvergeToTheClosedFormWithFirstOrder) {
+    const double exact = disk_length(0.2, 0.25);
+    std::vector<double> errors;
+    for (const int level : {5, 6, 7}) {
+        const auto r = compute_discrete_geodesic<2>(tests::ball<2>(level, 0.2), tests::ball<2>(level, 0.25),
+                                                    options_for(level, 4));
+        ASSERT_EQ(r.termination, Termination::converged);
+        errors.push_back(std::abs(r.path_length - exact));
+        EXPECT_LE(std::abs(r.path_length - exact), r.error) << "the true error lies within the bar, level " << level;
+        EXPECT_GT(r.min_det, 0.5);
+        if (level == 7) {
+            EXPECT_LT(errors.back(), 0.055 * exact);
+            EXPECT_LT(std::abs(r.extrapolated_length - exact), 0.025 * exact);
+        }
+    }
+    EXPECT_GT(std::log2(errors[0] / errors[2]) / 2.0, 0.7) << "observed order";
+}
+
+TEST(DiscreteGeodesic, BallsConvergeToTheClosedForm) {
+    const double exact = ball_length(0.2, 0.25);
+    std::vector<double> errors;
+    for (const int level : {4, 5}) {
+        const auto r = compute_discrete_geodesic<3>(tests::ball<3>(level, 0.2), tests::ball<3>(level, 0.25),
+                                                    options_for(level, 2));
+        ASSERT_EQ(r.termination, Termination::converged);
+        errors.push_back(std::abs(r.path_length - exact));
+    }
+    EXPECT_LT(errors[1], 0.25 * exact);
+    EXPECT_LT(errors[1], 0.75 * errors[0]);
+}
+
+template <int Dim>
+std::pair<LevelSet<Dim>, LevelSet<Dim>> two_boxes(int level) {
+    Point<Dim> wide, tall, centre;
+    wide.fill(0.1);
+    tall.fill(0.1);
+    wide[0] = 0.2;
+    tall[1] = 0.16;
+    centre.fill(0.5);
+    return {tests::turned_box<Dim>(level, wide, centre, 0.0), tests::turned_box<Dim>(level, tall, centre, 0.3)};
+}
+
+template <class T>
+class DiscreteGeodesicIn : public testing::Test {};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(DiscreteGeodesicIn, Dimensions);
+
+TYPED_TEST(DiscreteGeodesicIn, ResultIsConsistentAndOneToOne) {
+    constexpr int dim = TypeParam::value;
+    const int level = dim == 2 ? 5 : 4;
+    const auto [a, b] = two_boxes<dim>(level);
+    auto options = options_for(level, 4);
+    options.align = "rigid";
+    options.starts = 2;
+    const auto r = compute_discrete_geodesic<dim>(a, b, options);
+    EXPECT_EQ(r.termination, Termination::converged);
+    EXPECT_EQ(r.shapes.size(), 5U);
+    EXPECT_EQ(r.deformations.size(), 4U);
+    double length = 0.0, energy = 0.0;
+    for (const double e : r.deformation_energy) {
+        length += std::sqrt(e);
+        energy += 4 * e;
+    }
+    EXPECT_DOUBLE_EQ(r.path_length, length);
+    EXPECT_DOUBLE_EQ(r.path_energy, energy);
+    EXPECT_LE(r.path_length * r.path_length, r.path_energy * (1 + 1e-12));
+    EXPECT_GT(r.min_det, 0.0);
+    EXPECT_GT(r.error, 0.0);
+    EXPECT_EQ(r.shapes.back().values, b.values);
+    EXPECT_EQ(r.levels.back().level, level);
+}
+
+TYPED_TEST(DiscreteGeodesicIn, BitsDoNotDependOnThreads) {
+    constexpr int dim = TypeParam::value;
+    const int level = dim == 2 ? 6 : 4;
+    const auto [a, b] = two_boxes<dim>(level);
+    auto options = options_for(level, 2);
+    options.align = "rigid";
+    const auto solve = [&](std::size_t threads) {
+        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+        return compute_discrete_geodesic<dim>(a, b, options);
+    };
+    const auto one = solve(1), eight = solve(8);
+    EXPECT_EQ(one.path_length, eight.path_length);
+    EXPECT_EQ(one.total_energy, eight.total_energy);
+    EXPECT_EQ(one.error, eight.error);
+    for (std::size_t k = 0; k < one.deformations.size(); ++k) {
+        EXPECT_EQ(one.deformations[k].displacement.components[0], eight.deformations[k].displacement.components[0]);
+    }
+}
+
+TEST(DiscreteGeodesic, MovedCopyIsNear) {
+    const auto [a, b] = two_boxes<2>(7);
+    auto options = options_for(6, 2);
+    options.align = "rigid";
+    RigidMotion<2> motion;
+    motion.rotation = {std::cos(0.8), -std::sin(0.8), std::sin(0.8), std::cos(0.8)};
+    motion.translation = {0.02, -0.03};
+    const double typical = compute_discrete_geodesic<2>(a, b, options).path_length;
+    const auto copy = compute_discrete_geodesic<2>(moved(a, motion, 7), a, options);
+    EXPECT_LT(copy.path_length, 0.02 * typical);
+    const auto shifted = compute_discrete_geodesic<2>(moved(a, motion, 7), b, options);
+    EXPECT_NEAR(shifted.path_length, typical, 0.01 * typical);
+}
+
+TEST(DiscreteGeodesic, LengthIsNearlySymmetric) {
+    const auto [a, b] = two_boxes<2>(6);
+    auto options = options_for(6, 4);
+    options.align = "rigid";
+    const double there = compute_discrete_geodesic<2>(a, b, options).path_length;
+    const double back = compute_discrete_geodesic<2>(b, a, options).path_length;
+    EXPECT_NEAR(there, back, 0.02 * there);
+}
+
+TEST(DiscreteGeodesic, SameShapeHasLengthZero) {
+    const auto u = tests::ball<2>(5, 0.2);
+    const auto r = compute_discrete_geodesic<2>(u, u, options_for(5, 2));
+    EXPECT_EQ(r.termination, Termination::converged);
+    EXPECT_LT(r.path_length, 1e-6);
+}
+
+TEST(DiscreteGeodesic, ObserverCancels) {
+    const auto [a, b] = two_boxes<2>(6);
+    int calls = 0;
+    const auto r =
+        compute_discrete_geodesic<2>(a, b, options_for(6, 4), {}, [&](const LevelReport&) { return ++calls < 2; });
+    EXPECT_EQ(r.termination, Termination::cancelled);
+    EXPECT_EQ(calls, 2);
+    EXPECT_TRUE(std::isnan(r.path_length));
+}
+
+TEST(DiscreteGeodesic, IterationLimitIsSaid) {
+    const auto [a, b] = two_boxes<2>(6);
+    auto options = options_for(6, 4);
+    options.max_iterations = 1;
+    const auto r = compute_discrete_geodesic<2>(a, b, options);
+    EXPECT_EQ(r.termination, Termination::max_steps);
+    EXPECT_FALSE(r.message.empty());
+}
+
+TEST(DiscreteGeodesic, BadInputIsRefused) {
+    const auto u = tests::ball<2>(4, 0.2);
+    EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(5, 2)), std::invalid_argument);
+    EXPECT_THROW(compute_discrete_geodesic<2>(u, LevelSet<2>(u.grid, -1.0), options_for(4, 2)), std::invalid_argument);
+    EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 3)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morphodesic
