@@ -6,13 +6,15 @@ const vega = {
 Object.assign(vegaModules["vega-dataflow"].transforms, vegaModules["vega-transforms"], vegaModules["vega-view-transforms"],
   vegaModules["vega-encode"]);
 
+/// Vega measures text on a canvas, which knows no "inherit": the family of report.css by name.
+const family = getComputedStyle(document.body).fontFamily;
 const chartConfig = {
-  background: null, font: "inherit",
+  background: null, font: family,
   axis: {domainColor: "var(--line)", tickColor: "var(--line)", gridColor: "var(--grid)", labelColor: "var(--ink)",
-    titleColor: "var(--ink)", labelFontSize: 11, titleFontSize: 12, titleFontWeight: 500, labelFont: "inherit", titleFont: "inherit"},
+    titleColor: "var(--ink)", labelFontSize: 11, titleFontSize: 12, titleFontWeight: 500, labelFont: family, titleFont: family},
   legend: {labelColor: "var(--ink)", titleColor: "var(--ink)", labelFontSize: 11, titleFontSize: 12, titleFontWeight: 500,
-    labelFont: "inherit", titleFont: "inherit"},
-  title: {color: "var(--ink)", fontSize: 13, fontWeight: 600, font: "inherit"},
+    labelFont: family, titleFont: family},
+  title: {color: "var(--ink)", fontSize: 13, fontWeight: 600, font: family},
 };
 const accent = "var(--accent)";
 
@@ -84,16 +86,20 @@ function matrixImage(order, top) {
 
 /// Heat map with pictures along the sides and, if the order is that of a tree, its dendrogram.
 function heatMapSpec(order, tree, room, numbers) {
-  const named = room > 560 && count <= 60;
+  const named = room > 560 && count <= 60, band = 5;
   let side = 0, cell = 0;
-  for (let k = 0; k < 3; ++k) {  // pictures as wide as a cell; their row takes room from the cells
-    cell = Math.min(72, (room - 66 - (named ? 116 : 0) - side) / count);
+  for (let k = 0; k < 3; ++k) {  // pictures as wide as a cell; their column takes room from the cells
+    const left = Math.max(tree ? 62 : 0, side + band + 5 + (named ? 118 : 0));
+    cell = Math.min(72, (room - left - 20) / count);
     side = cell >= 12 ? Math.min(cell, 64) : 0;
   }
-  if (!named && tree === null) cell = Math.min(72, (room - 24 - side) / count);
-  const size = cell * count, band = 5, gap = side + band + 5, top = largest(data.distances);
+  const size = cell * count, gap = side + band + 5, top = largest(data.distances);
   const cells = [];
   if (numbers && cell >= 30) order.forEach((i, r) => order.forEach((j, c) => cells.push({r, c, d: distance(i, j)})));
+  const plates = {type: "rect", aria: false, encode: {update: {x: {value: -band - 3 - side}, y: {value: -band - 3 - side},
+    width: {value: size + side + band + 3}, height: {value: side}, fill: {value: "var(--plate)"}}}};
+  const plateColumn = {type: "rect", aria: false, encode: {update: {x: {value: -band - 3 - side}, y: {value: 0}, width: {value: side},
+    height: {value: size}, fill: {value: "var(--plate)"}}}};
   const pictures = vertical => ({type: "image", from: {data: "leaves"}, aria: false, encode: {update: {
     url: {field: "url"}, aspect: {value: true}, align: {value: "center"}, baseline: {value: "middle"},
     width: {value: Math.max(0, side - 3)}, height: {value: Math.max(0, side - 3)},
@@ -127,7 +133,7 @@ function heatMapSpec(order, tree, room, numbers) {
     legends: [{fill: "colour", orient: "bottom", direction: "horizontal", title: "distance (path length)",
       gradientLength: Math.min(240, size), gradientThickness: 10}],
     marks: [].concat(tree ? [treeGroup(-gap - 96, 92, cell, "height")] : [],
-      bands(true), bands(false), side ? [pictures(true), pictures(false)] : [],
+      bands(true), bands(false), side ? [plates, plateColumn, pictures(true), pictures(false)] : [],
       {type: "rect", aria: false, encode: {update: {width: {value: size}, height: {value: size}, fill: {value: "var(--missing)"}}}},
       {type: "image", aria: false, encode: {update: {url: {value: matrixImage(order, top)}, width: {value: size}, height: {value: size},
         aspect: {value: false}, smooth: {value: false}}}},
@@ -184,6 +190,18 @@ function embeddingSpec(embedding, edges, size, options) {
   const turn = axis => ({name: axis, value: d === 3 ? (axis === "yaw" ? 0.6 : 0.35) : 0, on: d === 3 ? [{events: "[@back:mousedown, window:mouseup] > window:mousemove!",
     update: axis === "yaw" ? "yawStart + (x() - grab.x) * 0.01" : "clamp(pitchStart + (y() - grab.y) * 0.01, -1.57, 1.57)"}] : []});
   const begin = axis => ({name: axis + "Start", value: 0, on: [{events: "@back:mousedown", update: axis}]});
+  const chosen = "datum.i === first || datum.i === second || datum.i === over";
+  const rim = [{test: chosen, value: accent}, {scale: "group", field: "group"}];
+  // A picture and its disc are one group, so that near shapes hide far ones as a whole.
+  const disc = {name: "shape", type: "group", from: {data: "shapes"}, aria: false, sort: {field: "datum.depth"}, encode: {update: {
+    x: {signal: "scale('x', datum.px) - 0.62 * picture"}, y: {signal: "scale('y', datum.py) - 0.62 * picture"}, width: {signal: "1.24 * picture"},
+    height: {signal: "1.24 * picture"}, cornerRadius: {signal: "0.62 * picture"}, cursor: {value: "pointer"}, fill: {value: "var(--plate)"},
+    fillOpacity: {value: 0.9}, stroke: rim, strokeWidth: {signal: `${chosen} ? 3.5 : 1.6`}}},
+    marks: [{type: "image", interactive: false, aria: false, encode: {update: {url: {field: {parent: "url"}}, aspect: {value: true},
+      x: {signal: "0.12 * picture"}, y: {signal: "0.12 * picture"}, width: {signal: "picture"}, height: {signal: "picture"}}}}]};
+  const dot = {name: "shape", type: "symbol", from: {data: "shapes"}, aria: false, sort: {field: "datum.depth"}, encode: {update: {
+    x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, shape: {value: "circle"}, cursor: {value: "pointer"}, size: {value: 90},
+    fill: {scale: "group", field: "group"}, fillOpacity: {value: 0.9}, stroke: rim, strokeWidth: {signal: `${chosen} ? 3.5 : 0`}}}};
   return {
     width, height, autosize: "pad",
     signals: [{name: "grab", value: {x: 0, y: 0}, on: [{events: "@back:mousedown", update: "{x: x(), y: y()}"}]},
@@ -208,15 +226,7 @@ function embeddingSpec(embedding, edges, size, options) {
       {type: "rule", from: {data: "edges"}, interactive: false, aria: false, encode: {update: {
         x: {scale: "x", field: "A.px"}, y: {scale: "y", field: "A.py"}, x2: {scale: "x", field: "B.px"}, y2: {scale: "y", field: "B.py"},
         stroke: {value: "var(--edge)"}, strokeWidth: {value: options.labels ? 1.6 : 1.1}}}},
-      {name: "shape", type: "symbol", from: {data: "shapes"}, aria: false, sort: {field: "datum.depth"}, encode: {update: {
-        x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, shape: {value: "circle"}, cursor: {value: "pointer"},
-        size: options.pictures ? {signal: "picture * picture * 1.5"} : {value: 90},
-        fill: options.pictures ? {value: "var(--paper)"} : {scale: "group", field: "group"}, fillOpacity: {value: options.pictures ? 0.8 : 0.9},
-        stroke: [{test: "datum.i === first || datum.i === second || datum.i === over", value: accent}, {scale: "group", field: "group"}],
-        strokeWidth: {signal: "datum.i === first || datum.i === second || datum.i === over ? 3.5 : " + (options.pictures ? 1.6 : 0)}}}}]
-      .concat(options.pictures ? [{type: "image", from: {data: "shapes"}, interactive: false, aria: false, sort: {field: "datum.depth"}, encode: {update: {
-        url: {field: "url"}, x: {scale: "x", field: "px"}, y: {scale: "y", field: "py"}, width: {signal: "picture"}, height: {signal: "picture"},
-        align: {value: "center"}, baseline: {value: "middle"}, aspect: {value: true}}}}] : [],
+      options.pictures ? disc : dot].concat(
       options.labels ? [].concat(["halo", "text"].map(kind => ({type: "text", from: {data: "edges"}, interactive: false, aria: false, encode: {update: {
         x: {signal: "(scale('x', datum.A.px) + scale('x', datum.B.px)) / 2"}, y: {signal: "(scale('y', datum.A.py) + scale('y', datum.B.py)) / 2"},
         text: {signal: "format(datum.length, datum.length < 0.1 ? '.4f' : '.3f')"}, align: {value: "center"}, baseline: {value: "middle"}, fontSize: {value: 12}, fontWeight: {value: 600},
@@ -229,14 +239,15 @@ function embeddingSpec(embedding, edges, size, options) {
 
 /// A tree on its own, pictures below the leaves.
 function dendrogramSpec(tree, room, title) {
-  const cell = Math.min(64, (room - 60) / count), side = cell >= 12 ? cell : 0;
+  const cell = Math.min(64, (room - 76) / count), side = cell >= 12 ? cell : 0;
   return {width: cell * count, height: 150 + side, autosize: "pad", title: {text: title, anchor: "start"}, signals: [{name: "branch", value: null}],
     data: [{name: "tree", values: treeSegments(tree)},
       {name: "leaves", values: tree.leaf_order.map((i, k) => ({k, url: pictureUrl(i), group: groupOf(i)}))}],
     scales: [groupScale],
     marks: [treeGroup(0, 146, cell, "height"), {type: "rect", from: {data: "leaves"}, aria: false, encode: {update: {
         x: {signal: `datum.k * ${cell} + 1`}, width: {value: Math.max(1, cell - 2)}, y: {value: 149}, height: {value: 5}, fill: {scale: "group", field: "group"}}}}]
-      .concat(side ? [{type: "image", from: {data: "leaves"}, aria: false, encode: {update: {url: {field: "url"}, aspect: {value: true},
+      .concat(side ? [{type: "rect", aria: false, encode: {update: {x: {value: 0}, y: {value: 155}, width: {value: cell * count}, height: {value: side + 2}, fill: {value: "var(--plate)"}}}},
+        {type: "image", from: {data: "leaves"}, aria: false, encode: {update: {url: {field: "url"}, aspect: {value: true},
         x: {signal: `datum.k * ${cell} + 1`}, y: {value: 157}, width: {value: side - 2}, height: {value: side - 2}}}}] : [])};
 }
 
@@ -259,14 +270,14 @@ function curveSpec(curves, size, xTitle, yTitle) {
     scales: [{name: "x", domain: [0, 1], range: "width"}, {name: "y", domain: [0, 1], range: "height"},
       {name: "which", type: "ordinal", domain: {data: "points", field: "name"}, range: {scheme: "tableau10"}}],
     axes: [{orient: "bottom", scale: "x", title: xTitle, grid: true, tickCount: 5}, {orient: "left", scale: "y", title: yTitle, grid: true, tickCount: 5}],
-    legends: [{stroke: "which", orient: "bottom", columns: 2, symbolType: "stroke"}],
+    legends: new Set(curves.map(c => c.name)).size > 1 ? [{stroke: "which", orient: "bottom", columns: 2, symbolType: "stroke"}] : [],
     marks: [{type: "group", from: {facet: {name: "curve", data: "points", groupby: "name"}}, marks: [{type: "line", from: {data: "curve"}, aria: false,
       encode: {update: {x: {scale: "x", field: "x"}, y: {scale: "y", field: "y"}, stroke: {scale: "which", field: "name"}, strokeWidth: {value: 2}}}}]}]};
 }
 
 /// Bars of one value per item; signed values go left and right of zero.
 function barSpec(values, room, title, horizontal, colours, itemTitle) {
-  const step = horizontal ? Math.max(2, Math.min(16, 520 / values.length)) : Math.min(46, (room - 60) / values.length);
+  const step = horizontal ? Math.max(2, Math.min(16, 520 / values.length)) : Math.min(46, (room - 84) / values.length);
   const length = horizontal ? room - (step >= 9 ? 180 : 50) : 130, span = step * values.length;
   const along = horizontal ? "y" : "x", across = horizontal ? "x" : "y";
   return {width: horizontal ? length : span, height: horizontal ? span : length, autosize: "pad", data: [{name: "items", values}],

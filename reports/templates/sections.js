@@ -138,7 +138,7 @@ function embeddingSection() {
     const e = data.embeddings[Number(chooser.value)];
     turns.hidden = e.dimension !== 3;
     facts.textContent = `${e.method} in ${e.dimension} dimensions` + (known(e.stress) ? `, stress ${num(e.stress)}` : "") + "." + (e.dimension === 3 ? " Drag to turn." : "");
-    const view = await draw(box, embeddingSpec(e, graphs.find(g => g[0] === edges.value)[2], Math.min(900, (box.clientWidth || 600) - 60),
+    const view = await draw(box, embeddingSpec(e, graphs.find(g => g[0] === edges.value)[2], Math.min(900, (box.clientWidth || 600) - 76),
       {pictures: pictures.checked, picture: Number(size.value), labels: false}),
       `Map of the ${count} shapes in ${e.dimension} dimensions; near in the picture means near in shape space. The nearest neighbours are in the table below.`);
     view.addSignalListener("pick", (_, p) => { if (p) pickShape(p.i); });
@@ -160,7 +160,7 @@ function glanceSection() {
   const order = data.linkages.length ? data.linkages[0].leaf_order : [...Array(count).keys()];
   const edges = data.neighbour_graph.length ? data.neighbour_graph : data.spanning_tree;
   redraws.push(async () => {
-    const view = await draw(graph, embeddingSpec(flat, edges, Math.min(620, (graph.clientWidth || 400) - 60), {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
+    const view = await draw(graph, embeddingSpec(flat, edges, Math.min(620, (graph.clientWidth || 400) - 16), {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
       "Graph of the shapes; each edge carries the geodesic distance of its ends. All distances are in the matrix beside it.");
     view.addSignalListener("pick", (_, p) => { if (p) pickShape(p.i); });
     await draw(matrix, heatMapSpec(order, null, matrix.clientWidth || 400, true), "Matrix of all distances with pictures and numbers.");
@@ -195,7 +195,7 @@ function classSection() {
   const ks = [...new Set(data.classes.flatMap(c => c.k_nearest.map(x => x.k)))].sort((x, y) => x - y);
   const find = (c, k) => { const hit = c.k_nearest.find(x => x.k === k); return hit ? percent(hit.accuracy) : "–"; };
   const curve = chartBox("pr-chart"), points = data.classes.flatMap(c => c.precision_recall.map(p => ({x: p.recall, y: p.precision, name: c.name})));
-  if (points.length) redraws.push(() => draw(curve, curveSpec(points, Math.min(440, (curve.clientWidth || 400) - 60), "recall", "precision"),
+  if (points.length) redraws.push(() => draw(curve, curveSpec(points, Math.min(440, (curve.clientWidth || 400) - 76), "recall", "precision"),
     "Precision against recall, mean over all queries; the points are in the table below."));
   const rows = [["nearest neighbour (1-NN)", c => percent(c.nearest_neighbour)], ...ks.map(k => [`${k} nearest neighbours`, c => find(c, k)]),
     ["bull's-eye", c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : "")], ["mean average precision", c => num(c.mean_average_precision)],
@@ -245,7 +245,7 @@ function trustSection() {
       if (e.disparities.length && known(e.disparities[k])) fitted.push({x: distance(i, j), y: e.disparities[k]});
     }
     fitted.sort((p, q) => p.x - q.x);
-    return draw(shepard, scatterSpec(points, Math.min(420, (shepard.clientWidth || 360) - 60), "geodesic distance", "distance in the map", fitted.length ? fitted : null),
+    return draw(shepard, scatterSpec(points, Math.min(420, (shepard.clientWidth || 360) - 76), "geodesic distance", "distance in the map", fitted.length ? fitted : null),
       "Shepard diagram: distances in the map against geodesic distances; on the dashed line the map is exact.");
   }
   const silhouette = chartBox("silhouette-chart");
@@ -288,7 +288,7 @@ function compareSection() {
   const c = data.compare;
   if (!c) return null;
   const box = chartBox("compare-chart");
-  if (c.distances.length) redraws.push(() => draw(box, scatterSpec(c.distances.filter(d => known(d[0]) && known(d[1])).map(d => ({x: d[0], y: d[1]})), Math.min(440, (box.clientWidth || 400) - 60), "distance here", `distance in ${shown(c.other)}`),
+  if (c.distances.length) redraws.push(() => draw(box, scatterSpec(c.distances.filter(d => known(d[0]) && known(d[1])).map(d => ({x: d[0], y: d[1]})), Math.min(440, (box.clientWidth || 400) - 76), "distance here", `distance in ${shown(c.other)}`),
     "Distances of the common pairs in both studies; on the dashed line they are equal."));
   return section("compare", `Compared with ${shown(c.other)}`, el("p", {}, `${c.common_shapes} shapes and ${c.common_pairs} pairs in common. Rank correlation of the distances: Spearman ${num(c.spearman)}, Kendall ${num(c.kendall)}; Pearson ${num(c.pearson)}. ` +
     (c.neighbours ? `Of the ${c.neighbours} nearest neighbours ${percent(c.mean_overlap)} are the same.` : "")), c.distances.length ? box : null,
