@@ -26,17 +26,29 @@ std::vector<int> class_numbers(std::span<const std::string> classes, const std::
     return result;
 }
 
-/// Labelled items other than `query` as (distance, class), nearest first, missing ones last (as infinity).
-std::vector<std::pair<double, int>> ranked(const DistanceMatrix& distances, const std::vector<int>& number,
-                                           std::size_t query) {
-    std::vector<std::pair<double, int>> others;
+using Ranking = std::vector<std::pair<double, int>>;
+
+/// Labelled items other than `query` as (distance, class), missing ones as infinity, in no order.
+Ranking candidates(const DistanceMatrix& distances, const std::vector<int>& number, std::size_t query) {
+    Ranking others;
+    others.reserve(number.size());
     for (std::size_t j = 0; j < number.size(); ++j) {
         if (j == query || number[j] < 0) continue;
         const double d = distances(query, j);
         others.emplace_back(std::isnan(d) ? std::numeric_limits<double>::infinity() : d, number[j]);
     }
-    std::sort(others.begin(), others.end());
     return others;
+}
+
+/// Rankings of many queries, nearest first, sorted on all threads.
+std::vector<Ranking> rankings(const DistanceMatrix& distances, const std::vector<int>& number,
+                              std::span<const std::size_t> queries) {
+    std::vector<Ranking> result(queries.size());
+    parallel_for_each_index(queries.size(), 4, [&](std::size_t q) {
+        result[q] = candidates(distances, number, queries[q]);
+        std::sort(result[q].begin(), result[q].end());
+    });
+    return result;
 }
 
 }  // namespace
@@ -83,9 +95,14 @@ NeighbourAccuracy neighbour_accuracy(const DistanceMatrix& distances, std::span<
         if (number[i] < 0 || counts[static_cast<std::size_t>(number[i])].members < 2) continue;
         std::fill(votes.begin(), votes.end(), 0);
         std::fill(sums.begin(), sums.end(), 0.0);
-        const auto others = ranked(distances, number, i);
+        Ranking others = candidates(distances, number, i);
+        if (k < others.size()) {
+            std::nth_element(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(k - 1), others.end());
+            const double last = others[k - 1].first;
+            std::erase_if(others, [&](const std::pair<double, int>& o) { return o.first > last; });
+        }
+        std::sort(others.begin(), others.end());
         for (std::size_t r = 0; r < others.size() && std::isfinite(others[r].first); ++r) {
-            if (r >= k && others[r].first > others[k - 1].first) break;
             ++votes[static_cast<std::size_t>(others[r].second)];
             sums[static_cast<std::size_t>(others[r].second)] += others[r].first;
         }
@@ -129,11 +146,19 @@ Retrieval retrieval(const DistanceMatrix& distances, std::span<const std::string
     result.hits_at_rank.assign(ranks_shown, 0.0);
     result.possible_at_rank.assign(ranks_shown, 0);
     double hits = 0.0, possible = 0.0;
+    std::vector<std::size_t> queries;
     for (std::size_t i = 0; i < classes.size(); ++i) {
-        const std::size_t members = number[i] < 0 ? 0 : counts[static_cast<std::size_t>(number[i])].members;
-        if (members < 2) continue;
-        ++result.queries;
-        const auto others = ranked(distances, number, i);
+        if (number[i] >= 0 && counts[static_cast<std::size_t>(number[i])].members >= 2) queries.push_back(i);
+    }
+    result.queries = queries.size();
+    constexpr std::size_t block = 256;  // rankings in memory at a time
+    std::vector<Ranking> ranked;
+    for (std::size_t q = 0; q < queries.size(); ++q) {
+        if (q % block == 0) {
+            ranked = rankings(distances, number, std::span(queries).subspan(q, std::min(block, queries.size() - q)));
+        }
+        const std::size_t i = queries[q], members = counts[static_cast<std::size_t>(number[i])].members;
+        const Ranking& others = ranked[q % block];
         const auto relevant = static_cast<double>(members - 1);
         const std::size_t window = 2 * members - 1;  // the query itself is the first of the 2 m
         double found = 0.0, average_precision = 0.0;
@@ -170,10 +195,10 @@ Retrieval retrieval(const DistanceMatrix& distances, std::span<const std::string
             result.precision_at_recall[level] += best;
         }
     }
-    const auto queries = static_cast<double>(result.queries);
+    const auto count = static_cast<double>(result.queries);
     result.bulls_eye = result.queries == 0 ? missing : hits / possible;
-    result.mean_average_precision = result.queries == 0 ? missing : result.mean_average_precision / queries;
-    for (double& p : result.precision_at_recall) p = result.queries == 0 ? missing : p / queries;
+    result.mean_average_precision = result.queries == 0 ? missing : result.mean_average_precision / count;
+    for (double& p : result.precision_at_recall) p = result.queries == 0 ? missing : p / count;
     return result;
 }
 

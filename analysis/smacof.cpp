@@ -289,6 +289,7 @@ std::vector<double> isotonic_regression(std::span<const double> y, std::span<con
         std::size_t end;
     };
     std::vector<Block> blocks;
+    blocks.reserve(y.size());
     for (std::size_t k = 0; k < y.size(); ++k) {
         const double w = weights.empty() ? 1.0 : weights[k];
         blocks.push_back({w * y[k], w, k + 1});
