@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "datasets/text_scan.h"
+
 namespace morphodesic::datasets {
 
 std::vector<std::string> ImportOptions::problems() const {
@@ -17,6 +19,12 @@ std::vector<std::string> ImportOptions::problems() const {
         result.push_back("occluder must be alpha or a colour like #808080, not \"" + occluder + "\"");
     }
     if (border != "free" && border != "hides") result.push_back("border must be free or hides, not \"" + border + "\"");
+    if (!(close_gaps >= 0.0 && std::isfinite(close_gaps))) result.push_back("close-gaps must not be negative");
+    if (!(max_megabytes > 0.0 && std::isfinite(max_megabytes))) result.push_back("max-megabytes must be positive");
+    double value = 0.0;
+    if (isovalue != "auto" && !(TextScan::number(isovalue, value) && std::isfinite(value))) {
+        result.push_back("isovalue must be auto or a number, not \"" + isovalue + "\"");
+    }
     return result;
 }
 

@@ -1,0 +1,606 @@
+#include "datasets/solidify.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+
+#include "datasets/distance_transform.h"
+#include "datasets/read_error.h"
+#include "datasets/triangle_tree.h"
+#include "datasets/voxelize.h"
+#include "datasets/winding_number.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
+
+std::string number(double value, const char* format = "%.3g") {
+    char text[32];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+std::string percent(double share) {
+    return number(100.0 * share, "%.1f") + " %";
+}
+std::string count(std::size_t n, const char* noun) {
+    return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
+/// Extent along the thinnest direction over the extent along the longest.
+double flatness(const std::vector<Vector3>& points) {
+    Vector3 mean{};
+    for (const auto& p : points) mean = mean + (1.0 / static_cast<double>(points.size())) * p;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const auto& p : points) {
+        const Eigen::Vector3d r(p[0] - mean[0], p[1] - mean[1], p[2] - mean[2]);
+        covariance += r * r.transpose();
+    }
+    const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+    for (const auto& p : points) {
+        const Eigen::Vector3d q = axes.transpose() * Eigen::Vector3d(p[0] - mean[0], p[1] - mean[1], p[2] - mean[2]);
+        low = low.cwiseMin(q);
+        high = high.cwiseMax(q);
+    }
+    const Eigen::Vector3d extent = high - low;
+    return extent.maxCoeff() > 0 ? extent.minCoeff() / extent.maxCoeff() : 0.0;
+}
+
+void refuse_flat(const std::vector<Vector3>& points, const std::filesystem::path& file) {
+    if (flatness(points) < 1e-5) {
+        throw ReadError(file, "the surface is flat (all points lie in one plane), so it encloses no volume",
+                        "use a scan of a solid, or draw the outline as an image for a study in 2D");
+    }
+}
+
+struct Turned {
+    std::size_t turned = 0;  ///< triangles
+    std::size_t hidden = 0;  ///< triangles of open patches that see nothing of the outside: walls within the solid
+};
+
+/// Turns each open patch so that its front, not its back, looks into the open, and removes those that do not see it at
+/// all; closed patches get a positive volume.
+Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const TriangleTree& surface) {
+    constexpr int directions = 24;
+    const double step = 1e-4 * bounding_box(mesh.points).diagonal();
+    std::vector<std::vector<int>> members(patch.count);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        members[patch.of_triangle[t]].push_back(static_cast<int>(t));
+    }
+    std::vector<char> turn(patch.count, 0), hidden(patch.count, 0);
+    const double total_area = surface_area(mesh);
+    tbb::parallel_for(0, patch.count, [&](int p) {
+        TriangleMesh part;  // without points: topology only compares indices
+        double area = 0.0, volume = 0.0;
+        for (const int t : members[p]) {
+            part.triangles.push_back(mesh.triangles[t]);
+            const auto c = mesh.corners(t);
+            area += 0.5 * norm(area_vector(c));
+            volume += dot(c[0] - mesh.points[0], cross(c[1] - mesh.points[0], c[2] - mesh.points[0]));
+        }
+        if (topology(part).closed()) {
+            turn[p] = volume < 0;
+            return;
+        }
+        // Samples evenly spaced in area.
+        const int samples = std::clamp(static_cast<int>(1000.0 * area / total_area), 3, 500);
+        double walked = 0.0;
+        int taken = 0, front = 0, back = 0;
+        for (const int t : members[p]) {
+            const auto c = mesh.corners(t);
+            const Vector3 n = area_vector(c);
+            walked += 0.5 * norm(n);
+            if (walked < area * (taken + 0.5) / samples) continue;
+            while (taken < samples && walked >= area * (taken + 0.5) / samples) ++taken;
+            const Vector3 unit = (1.0 / norm(n)) * n, centre = (1.0 / 3.0) * (c[0] + c[1] + c[2]);
+            for (int d = 0; d < directions; ++d) {  // spiral of evenly spread directions
+                const double z = 1.0 - (2.0 * d + 1.0) / directions, r = std::sqrt(1.0 - z * z), angle = 2.399963 * d;
+                Vector3 direction{r * std::cos(angle), r * std::sin(angle), z};
+                if (dot(direction, unit) < 0) direction = -1.0 * direction;
+                front += !surface.is_blocked(centre + step * unit, direction);
+                back += !surface.is_blocked(centre - step * unit, -1.0 * direction);
+            }
+        }
+        turn[p] = back > front;
+        hidden[p] = front + back < samples * directions / 50;  // 1 %
+    });
+    Turned result;
+    std::vector<std::array<int, 3>> kept;
+    kept.reserve(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const int p = patch.of_triangle[t];
+        if (hidden[p]) {
+            ++result.hidden;
+            continue;
+        }
+        kept.push_back(mesh.triangles[t]);
+        if (turn[p]) std::swap(kept.back()[1], kept.back()[2]), ++result.turned;
+    }
+    if (kept.empty()) return {};  // nothing sees the outside: leave it to the winding number
+    mesh.triangles = std::move(kept);
+    return result;
+}
+
+/// Generalised winding number minus 1/2 at the nodes. It is computed near the triangles and where it may pass 1/2 in a
+/// hole; elsewhere a neighbour's value will do: it is harmonic off the surface, so it changes little where it is near 0
+/// or 1 and no triangle lies between.
+std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& lattice,
+                                      const std::vector<float>& distance) {
+    constexpr int block = 4;
+    const double near = 1.05 * lattice.spacing;
+    const auto [nx, ny, nz] = lattice.nodes;
+    const std::array<int, 3> corners{(nx - 1) / block + 2, (ny - 1) / block + 2, (nz - 1) / block + 2};
+    const auto corner_index = [&](int i, int j, int k) {
+        return i + static_cast<std::size_t>(corners[0]) * (j + static_cast<std::size_t>(corners[1]) * k);
+    };
+    const auto evaluated = [&](int i, int j, int k) {
+        return static_cast<float>(tree.winding_number(lattice.position(i, j, k)) - 0.5);
+    };
+    std::vector<float> coarse(static_cast<std::size_t>(corners[0]) * corners[1] * corners[2]);
+    tbb::parallel_for(0, corners[2], [&](int k) {
+        for (int j = 0; j < corners[1]; ++j) {
+            for (int i = 0; i < corners[0]; ++i)
+                coarse[corner_index(i, j, k)] = evaluated(i * block, j * block, k * block);
+        }
+    });
+
+    enum State : char { open, known, copied };
+    std::vector<float> result(lattice.node_count());
+    std::vector<char> state(lattice.node_count(), open);
+    tbb::parallel_for(0, corners[2] - 1, [&](int bk) {
+        for (int bj = 0; bj + 1 < corners[1]; ++bj) {
+            for (int bi = 0; bi + 1 < corners[0]; ++bi) {
+                int above = 0;
+                bool may_pass_half = false, has_surface = false;
+                for (int c = 0; c < 8; ++c) {
+                    const float w = coarse[corner_index(bi + (c & 1), bj + (c >> 1 & 1), bk + (c >> 2))];
+                    above += w > 0;
+                    may_pass_half |= std::abs(w) < 0.15F;
+                }
+                may_pass_half |= above != 0 && above != 8;
+                const int i1 = std::min(nx, (bi + 1) * block), j1 = std::min(ny, (bj + 1) * block);
+                const int k1 = std::min(nz, (bk + 1) * block);
+                for (int k = bk * block; k < k1; ++k) {
+                    for (int j = bj * block; j < j1; ++j) {
+                        for (int i = bi * block; i < i1; ++i) {
+                            const std::size_t n = lattice.index(i, j, k);
+                            if (distance[n] > near) continue;
+                            has_surface = true;
+                            result[n] = evaluated(i, j, k);
+                            state[n] = known;
+                        }
+                    }
+                }
+                if (has_surface || may_pass_half) continue;
+                for (int k = bk * block; k < k1; ++k) {
+                    for (int j = bj * block; j < j1; ++j) {
+                        for (int i = bi * block; i < i1; ++i) {
+                            result[lattice.index(i, j, k)] = coarse[corner_index(bi, bj, bk)];
+                            state[lattice.index(i, j, k)] = known;
+                        }
+                    }
+                }
+            }
+        }
+    });
+    // Two rounds, so that a copy of a copy is the farthest a value travels.
+    const std::array<std::ptrdiff_t, 3> stride{1, nx, static_cast<std::ptrdiff_t>(nx) * ny};
+    for (int round = 0; round < 2; ++round) {
+        std::vector<std::pair<std::size_t, float>> copies;
+        for (int k = 1; k < nz - 1; ++k) {
+            for (int j = 1; j < ny - 1; ++j) {
+                for (int i = 1; i < nx - 1; ++i) {
+                    const std::size_t n = lattice.index(i, j, k);
+                    if (state[n] != open) continue;
+                    for (int side = 0; side < 6; ++side) {
+                        const std::size_t other = side % 2 ? n + stride[side / 2] : n - stride[side / 2];
+                        if (state[other] == open || std::abs(result[other]) < 0.4F) continue;
+                        copies.emplace_back(n, result[other]);
+                        break;
+                    }
+                }
+            }
+        }
+        for (const auto& [n, value] : copies) result[n] = value, state[n] = copied;
+    }
+    tbb::parallel_for(0, nz, [&](int k) {
+        for (int j = 0; j < ny; ++j) {
+            for (int i = 0; i < nx; ++i) {
+                const std::size_t n = lattice.index(i, j, k);
+                if (state[n] == open) result[n] = evaluated(i, j, k);
+            }
+        }
+    });
+    return result;
+}
+
+/// Rebuilds an open surface. Near triangles their distance says where the surface is; in holes the 1/2 level of the
+/// winding number does, at the distance |w - 1/2| / |grad w|.
+TriangleMesh rebuilt_open(const TriangleTree& tree, const Lattice& lattice, const std::vector<float>& distance) {
+    const auto h = static_cast<float>(lattice.spacing);
+    const std::vector<float> w = winding_above_half(tree, lattice, distance);
+    const auto [nx, ny, nz] = lattice.nodes;
+    std::vector<float> values(lattice.node_count(), -3.0F * h);
+    tbb::parallel_for(1, nz - 1, [&](int k) {
+        for (int j = 1; j < ny - 1; ++j) {
+            for (int i = 1; i < nx - 1; ++i) {
+                const std::size_t n = lattice.index(i, j, k);
+                float size = std::min(distance[n], 3.0F * h);
+                if (distance[n] > h) {
+                    const float gx = w[lattice.index(i + 1, j, k)] - w[lattice.index(i - 1, j, k)];
+                    const float gy = w[lattice.index(i, j + 1, k)] - w[lattice.index(i, j - 1, k)];
+                    const float gz = w[lattice.index(i, j, k + 1)] - w[lattice.index(i, j, k - 1)];
+                    const float slope = std::sqrt(gx * gx + gy * gy + gz * gz) / (2.0F * h);
+                    if (std::abs(w[n]) < slope * size) size = std::abs(w[n]) / slope;
+                }
+                values[n] = w[n] > 0 ? size : -size;
+            }
+        }
+    });
+
+    return isosurface(lattice, values);
+}
+
+/// How much of a rebuilt surface was not in the file, and how far from it that lies.
+struct NewSurface {
+    double share = 0.0;  ///< of the rebuilt surface
+    double gap = 0.0;    ///< twice the largest distance of a new piece from the file's surface
+};
+/// Area, centre and outward normal of a piece of the rebuilt surface.
+struct Piece {
+    Vector3 centre, normal;
+    double area;
+};
+/// About so many pieces, evenly spread over the triangles.
+std::vector<Piece> pieces_of(const TriangleMesh& mesh, std::size_t wanted) {
+    std::vector<Piece> result;
+    for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / wanted + 1) {
+        const auto c = mesh.corners(t);
+        const Vector3 n = area_vector(c);
+        if (norm(n) > 0) result.push_back({(1.0 / 3.0) * (c[0] + c[1] + c[2]), (1.0 / norm(n)) * n, 0.5 * norm(n)});
+    }
+    return result;
+}
+
+/// @param is_new  (piece, out: its distance from what the file has) -> bool
+template <class IsNew>
+NewSurface new_surface(const TriangleMesh& rebuilt, IsNew&& is_new) {
+    const std::vector<Piece> pieces = pieces_of(rebuilt, 6000);
+    std::vector<double> gap(pieces.size(), -1.0);
+    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+        double distance = 0.0;
+        if (is_new(pieces[i], distance)) gap[i] = 2.0 * distance;
+    });
+    NewSurface result;
+    double area = 0.0, new_area = 0.0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        area += pieces[i].area;
+        if (gap[i] >= 0) new_area += pieces[i].area, result.gap = std::max(result.gap, gap[i]);
+    }
+    result.share = area > 0 ? new_area / area : 0.0;
+    return result;
+}
+
+void judge_new_surface(const NewSurface& made, double size, const std::filesystem::path& file,
+                       const SolidifyOptions& options, std::vector<std::string>& notes) {
+    if (made.share > largest_new_share && options.close_gaps < 1.0) {
+        throw ReadError(file,
+                        "the scan shows one side only: closing it would invent " + percent(made.share) +
+                            " of the surface (limit " + percent(largest_new_share) + ")",
+                        "use a scan from all sides or join the views first; --close-gaps 1 closes it all the same");
+    }
+    if (made.gap > options.close_gaps * size) {
+        throw ReadError(file,
+                        "the surface has a hole " + percent(made.gap / size) +
+                            " of the object's size wide, more than " + "--close-gaps allows (" +
+                            percent(options.close_gaps) + ")",
+                        "repair the scan, or raise --close-gaps if the hole may be closed smoothly");
+    }
+    if (made.share > 0.0005) {
+        notes.push_back("Holes were closed: " + percent(made.share) + " of the surface is new, the widest gap is " +
+                        percent(made.gap / size) + " of the object's size.");
+    }
+}
+
+/// 6th smallest distance to other points, for about a thousand of the points, in ascending order.
+std::vector<double> sorted_spacings(const std::vector<Vector3>& points) {
+    const std::size_t stride = points.size() / 1000 + 1;
+    std::vector<double> spacings((points.size() + stride - 1) / stride);
+    tbb::parallel_for(std::size_t{0}, spacings.size(), [&](std::size_t s) {
+        std::array<double, 7> nearest;
+        nearest.fill(1e300);
+        for (const auto& p : points) {
+            const Vector3 r = p - points[s * stride];
+            const double d = dot(r, r);
+            if (d >= nearest.back()) continue;
+            nearest.back() = d;
+            std::inplace_merge(nearest.begin(), nearest.end() - 1, nearest.end());
+        }
+        spacings[s] = std::sqrt(nearest.back());
+    });
+    std::sort(spacings.begin(), spacings.end());
+    return spacings;
+}
+
+/// Nodes that a ball of the given radius reaches from the border without touching a point.
+std::vector<char> reached_from_outside(const Lattice& lattice, const std::vector<float>& distance, double radius) {
+    std::vector<char> reached(lattice.node_count(), 0);
+    const auto [nx, ny, nz] = lattice.nodes;
+    std::vector<std::size_t> queue;
+    const auto visit = [&](int i, int j, int k) {
+        const std::size_t n = lattice.index(i, j, k);
+        if (!reached[n] && distance[n] > radius) reached[n] = 1, queue.push_back(n);
+    };
+    for (int k = 0; k < nz; ++k) {
+        for (int j = 0; j < ny; ++j) visit(0, j, k), visit(nx - 1, j, k);
+        for (int i = 0; i < nx; ++i) visit(i, 0, k), visit(i, ny - 1, k);
+    }
+    for (int j = 0; j < ny; ++j) {
+        for (int i = 0; i < nx; ++i) visit(i, j, 0), visit(i, j, nz - 1);
+    }
+    while (!queue.empty()) {
+        const std::size_t n = queue.back();
+        queue.pop_back();
+        const auto row = static_cast<std::size_t>(nx), plane = row * static_cast<std::size_t>(ny);
+        const int i = static_cast<int>(n % row), j = static_cast<int>(n % plane / row), k = static_cast<int>(n / plane);
+        if (i > 0) visit(i - 1, j, k);
+        if (i + 1 < nx) visit(i + 1, j, k);
+        if (j > 0) visit(i, j - 1, k);
+        if (j + 1 < ny) visit(i, j + 1, k);
+        if (k > 0) visit(i, j, k - 1);
+        if (k + 1 < nz) visit(i, j, k + 1);
+    }
+    return reached;
+}
+
+/// Signed distance of the closing: the region beyond the ball's reach, shrunk by its radius.
+struct Closing {
+    std::vector<float> values;  ///< > 0 inside
+    double volume = 0.0;        ///< by counting nodes
+    bool has_core = false;      ///< a ball of this radius fits inside: the points enclose more than themselves
+};
+Closing closing(const Lattice& lattice, const std::vector<float>& distance, double radius) {
+    const std::vector<char> outside = reached_from_outside(lattice, distance, radius);
+    const auto [nx, ny, nz] = lattice.nodes;
+    std::vector<Vector3> rim;  // where the ball's centre comes to a stop, between two nodes
+    Closing result;
+    for (int k = 0; k < nz; ++k) {
+        for (int j = 0; j < ny; ++j) {
+            for (int i = 0; i < nx; ++i) {
+                const std::size_t n = lattice.index(i, j, k);
+                if (!outside[n]) {
+                    result.has_core |= distance[n] > radius + 0.5 * lattice.spacing;
+                    continue;
+                }
+                const Vector3 x = lattice.position(i, j, k);
+                for (int side = 0; side < 6; ++side) {
+                    std::array<int, 3> m{i, j, k};
+                    m[side / 2] += side % 2 ? 1 : -1;
+                    if (m[side / 2] < 0 || m[side / 2] >= lattice.nodes[side / 2]) continue;
+                    const std::size_t other = lattice.index(m[0], m[1], m[2]);
+                    if (outside[other]) continue;
+                    const double t = (distance[n] - radius) / std::max<double>(distance[n] - distance[other], 1e-12);
+                    rim.push_back(x + std::clamp(t, 0.0, 1.0) * (lattice.position(m[0], m[1], m[2]) - x));
+                }
+            }
+        }
+    }
+    result.values.assign(lattice.node_count(), static_cast<float>(-radius));
+    if (rim.empty()) return result;
+    const std::vector<float> depth = distance_to_points(lattice, rim);
+    const double cell = std::pow(lattice.spacing, 3);
+    for (std::size_t n = 0; n < depth.size(); ++n) {
+        if (outside[n]) continue;
+        result.values[n] = static_cast<float>(depth[n] - radius);
+        if (result.values[n] > 0) result.volume += cell;
+    }
+    return result;
+}
+
+}  // namespace
+
+Lattice lattice_around(const Box3& box, double spacing, double margin) {
+    Lattice lattice;
+    lattice.spacing = spacing;
+    for (int a = 0; a < 3; ++a) {
+        lattice.origin[a] = box.low[a] - margin - 4.0 * spacing;
+        lattice.nodes[a] = static_cast<int>(std::ceil((box.high[a] + margin - lattice.origin[a]) / spacing)) + 5;
+    }
+    return lattice;
+}
+
+Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options,
+                     std::vector<std::string> notes) {
+    const auto refuse = [&] {
+        throw ReadError(file,
+                        "the surface encloses no volume (it is one-sided, or thinner than 1/" +
+                            std::to_string(options.cells) + " of its length everywhere)",
+                        "use a scan from all sides, or close the mesh first");
+    };
+    if (mesh.triangles.empty()) refuse();
+    const Patches part = patches(mesh, true);
+    std::vector<TriangleMesh> parts(part.count);
+    std::vector<double> volume(part.count, 0.0);
+    const Vector3 o = mesh.points.front();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto c = mesh.corners(t);
+        volume[part.of_triangle[t]] += dot(c[0] - o, cross(c[1] - o, c[2] - o)) / 6.0;
+    }
+    double total = 0.0, largest = 0.0;
+    for (const double v : volume) total += v, largest = std::max(largest, v);
+    if (!(total > 0.0)) refuse();
+    std::size_t specks = 0, pinholes = 0, solids = 0, cavities = 0;
+    std::vector<char> kept(part.count);
+    for (int p = 0; p < part.count; ++p) {
+        kept[p] = std::abs(volume[p]) >= options.speck_fraction * total;
+        if (volume[p] > 0) ++(kept[p] ? solids : specks);
+        if (volume[p] <= 0) ++(kept[p] ? cavities : pinholes);
+    }
+    std::vector<std::array<int, 3>> triangles;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (kept[part.of_triangle[t]]) triangles.push_back(mesh.triangles[t]);
+    }
+    mesh.triangles = std::move(triangles);
+    clean(mesh);
+    if (specks + pinholes > 0) {
+        notes.push_back("Removed " + count(specks, "speck") + " and " + count(pinholes, "bubble") + " below " +
+                        percent(options.speck_fraction) + " of the volume.");
+    }
+    if (solids > 1) {
+        notes.push_back("The object has " + count(solids, "separate part") + "; the largest holds " +
+                        percent(largest / total) + " of the volume.");
+    }
+    if (cavities > 0)
+        notes.push_back("The object is hollow: " + std::to_string(cavities) + " inner cavities were kept.");
+
+    Solid solid;
+    solid.volume = signed_volume(mesh);
+    // A closed sheet of one cell's thickness holds about this volume: less is no solid but a skin.
+    const double size = bounding_box(mesh.points).diagonal();
+    if (!(solid.volume > 1e-7 * size * size * size)) refuse();
+    solid.centroid = volume_centroid(mesh);
+    solid.mesh = std::move(mesh);
+    solid.notes = std::move(notes);
+    return solid;
+}
+
+Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options) {
+    std::vector<std::string> notes;
+    const CleaningReport cleaned = clean(mesh);
+    if (mesh.triangles.empty()) {
+        throw ReadError(file, "no triangle has an area", "export the surface again, in a format that keeps its faces");
+    }
+    refuse_flat(mesh.points, file);
+    if (cleaned.degenerate_triangles + cleaned.repeated_triangles > 0) {
+        notes.push_back("Dropped " + count(cleaned.degenerate_triangles, "triangle") + " without area and " +
+                        count(cleaned.repeated_triangles, "repeated triangle") + ".");
+    }
+    const Patches patch = patches(mesh);
+    const std::size_t turned = orient_patches(mesh, patch);
+    if (turned > 0) notes.push_back("Turned " + count(turned, "triangle") + " to agree with the neighbours.");
+    MeshTopology state = topology(mesh);
+
+    const Box3 box = bounding_box(mesh.points);
+    const Vector3 side = box.side();
+    const double h = *std::max_element(side.begin(), side.end()) / options.cells;
+    const Lattice lattice = lattice_around(box, h, 0.0);
+
+    if (state.closed()) {
+        auto winding = winding_numbers(mesh, lattice);
+        const auto [low, high] = std::minmax_element(winding.begin(), winding.end());
+        if (*low >= 0 && *high == 1) return finished_solid(std::move(mesh), file, options, std::move(notes));
+        if (*low == -1 && *high <= 0) {
+            for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+            notes.push_back("The surface was inside out and was turned.");
+            return finished_solid(std::move(mesh), file, options, std::move(notes));
+        }
+        if (*low < 0 || *high > 1) {
+            TriangleMesh upright = mesh;
+            const TriangleTree surface(mesh);
+            const bool changed = turn_patches_outward(upright, patch, surface).turned > 0;
+            if (topology(upright).closed()) {
+                if (changed) {
+                    mesh = std::move(upright);
+                    winding = winding_numbers(mesh, lattice);
+                    notes.push_back("Parts that were inside out were turned.");
+                }
+                std::vector<float> values = distance_to_triangles(mesh, lattice, 3.0);
+                for (std::size_t i = 0; i < values.size(); ++i) values[i] = winding[i] > 0 ? values[i] : -values[i];
+                notes.push_back("The surface passes through itself; its overlapping parts were united.");
+                return finished_solid(isosurface(lattice, values), file, options, std::move(notes));
+            }
+        }
+        // Closed but thinner than a cell everywhere: the winding number found no node inside.
+        return finished_solid(std::move(mesh), file, options, std::move(notes));
+    }
+
+    const Turned outward = turn_patches_outward(mesh, patch, TriangleTree(mesh));
+    if (outward.turned > 0)
+        notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
+    if (outward.hidden > 0)
+        notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
+    std::string kind = "The surface is open (" + count(state.boundary_edges, "boundary edge") + ")";
+    if (state.crowded_edges > 0)
+        kind += " and has " + count(state.crowded_edges, "edge") + " of three or more triangles";
+    notes.push_back(kind + "; the inside was found by generalised winding numbers.");
+    const std::vector<float> distance = distance_to_triangles(mesh, lattice, 3.0);
+    const TriangleTree tree(mesh);
+    TriangleMesh rebuilt = rebuilt_open(tree, lattice, distance);
+    if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    // New is what lies away from all triangles, and the back that a one-sided sheet would need.
+    const auto is_new = [&](const Piece& piece, double& gap) {
+        const auto nearest = tree.nearest(piece.centre, 2.0 * box.diagonal());
+        gap = nearest.distance;
+        return nearest.distance > 1.5 * h || dot(nearest.area_vector, piece.normal) < -0.3 * norm(nearest.area_vector);
+    };
+    judge_new_surface(new_surface(rebuilt, is_new), box.diagonal(), file, options, notes);
+    return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+}
+
+Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path& file,
+                        const SolidifyOptions& options) {
+    TriangleMesh cloud{std::move(points), {}};
+    clean(cloud);
+    if (cloud.points.size() < 50) {
+        throw ReadError(file, "only " + count(cloud.points.size(), "different point") + ", too few for a surface",
+                        "use a denser point cloud or a mesh");
+    }
+    refuse_flat(cloud.points, file);
+    const std::vector<double> spacings = sorted_spacings(cloud.points);
+    const double typical = spacings[spacings.size() / 2];
+    const Box3 box = bounding_box(cloud.points);
+    const double size = box.diagonal();
+    // From the typical gap between points up to the widest that may be closed; the first that holds tight: a ball a
+    // quarter larger finds (almost) the same solid, so no leak was left.
+    const Vector3 side = box.side();
+    const double longest = *std::max_element(side.begin(), side.end());
+    const double widest = std::min(0.5 * options.close_gaps * size, 0.25 * longest);
+    double radius = 0.0, tight_volume = 0.0;
+    {
+        const Lattice coarse = lattice_around(box, longest / 72, std::min(widest, 0.25 * longest));
+        const std::vector<float> distance = distance_to_points(coarse, cloud.points);
+        Closing before = closing(coarse, distance, typical);
+        for (double r = typical; r <= widest && radius == 0.0;) {
+            const double next = 1.25 * r;
+            Closing after = closing(coarse, distance, next);
+            if (before.has_core && after.volume <= 1.2 * before.volume) radius = r, tight_volume = before.volume;
+            before = std::move(after);
+            r = next;
+        }
+    }
+    if (radius == 0.0) {
+        throw ReadError(file,
+                        "the points enclose no volume (a scan of one side, or gaps wider than --close-gaps, " +
+                            percent(options.close_gaps) + " of the size)",
+                        "use points from all sides of the object");
+    }
+    const double h = std::max(longest / options.cells, radius / 8.0);
+    const Lattice lattice = lattice_around(box, h, 2.0 * radius);
+    const std::vector<float> distance = distance_to_points(lattice, cloud.points);
+    Closing closed = closing(lattice, distance, radius);
+    for (int round = 0; round < 5 && closed.volume < 0.85 * tight_volume; ++round) {  // a leak the coarse nodes hid
+        radius *= 1.12;
+        closed = closing(lattice, distance, radius);
+    }
+    TriangleMesh rebuilt = isosurface(lattice, closed.values);
+    std::vector<std::string> notes{"A cloud of " + count(cloud.points.size(), "point") +
+                                   "; the inside is what a ball of radius " + percent(radius / size) +
+                                   " of the object's size cannot reach between them."};
+    if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    const auto is_new = [&](const Piece& piece, double& gap) {
+        std::array<int, 3> node;
+        for (int a = 0; a < 3; ++a) node[a] = static_cast<int>(std::lround((piece.centre[a] - lattice.origin[a]) / h));
+        gap = distance[lattice.index(node[0], node[1], node[2])];
+        return gap > 2.0 * typical;
+    };
+    judge_new_surface(new_surface(rebuilt, is_new), size, file, options, notes);
+    return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+}
+
+}  // namespace morphodesic::datasets

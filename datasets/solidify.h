@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/lattice.h"
+#include "datasets/triangle_mesh.h"
+
+namespace morphodesic::datasets {
+
+struct SolidifyOptions {
+    double close_gaps = 0.6;        ///< widest hole that is closed, as a share of the diagonal of the bounding box;
+                                    ///< from 1 on also one-sided scans are closed, >= 0
+    double speck_fraction = 0.002;  ///< parts and cavities below this share of the volume are removed, in [0, 1)
+    int cells = 144;                ///< along the longest side of the box in which damaged surfaces are rebuilt, >= 16
+};
+
+/// What a file's surface encloses.
+struct Solid {
+    TriangleMesh mesh;    ///< closed, without self-intersections wider than a cell, seen from outside
+    double volume = 0.0;  ///< > 0
+    Vector3 centroid{};
+    std::vector<std::string> notes;  ///< what was done, one sentence each
+};
+
+/// From triangles in any state to a solid.
+/// Closed surfaces without overlaps are taken as they are (turned right side out). Closed surfaces that pass through
+/// themselves are united by their exact winding numbers. Open or non-manifold ones get neighbouring triangles to agree
+/// in orientation, then each patch turned so that its front sees more of the open air (Takayama et al. 2014); the
+/// inside is where the generalised winding number exceeds 1/2. United and closed surfaces are rebuilt on a grid of
+/// options.cells cells.
+/// @param file  for messages
+/// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
+Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});
+
+/// From points spread over a surface to a solid: morphological closing. The inside is what a ball that fits through no
+/// gap between the points cannot reach from outside.
+/// @throws ReadError if nothing is enclosed or there are too few points
+Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path& file,
+                        const SolidifyOptions& options = {});
+
+/// Nodes around a box, with some spare cells on each side.
+Lattice lattice_around(const Box3& box, double spacing, double margin);
+
+/// Removes specks, checks what is left and measures it: the last step of every route, also of volumes.
+/// @throws ReadError if no volume is enclosed
+Solid finished_solid(TriangleMesh closed_mesh, const std::filesystem::path& file, const SolidifyOptions& options,
+                     std::vector<std::string> notes);
+
+}  // namespace morphodesic::datasets

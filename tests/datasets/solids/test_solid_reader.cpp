@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/import.h"
+#include "datasets/solid_reader.h"
+#include "tests/datasets/solids/solid_files.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using namespace tests;
+using testing::Contains;
+using testing::HasSubstr;
+
+ShapeSource source_of(const std::filesystem::path& file) {
+    return single_source(file);
+}
+
+TEST(SolidReader, BallFileBecomesItsDistance) {
+    const FileFolder folder;
+    const auto source = source_of(folder.write("ball.ply", ply_file(ball_mesh({0.5, 0.5, 0.5}, 0.2, 6), "ascii")));
+    NormalizeOptions none;
+    none.mode = "none";  // the file is made in the coordinates of the cube
+    none.level = 5;
+    const Shape<3> shape = import_shape<3>(source, {}, none);
+    EXPECT_EQ(shape.scale, 1.0);
+    EXPECT_NEAR(shape.volume, 4.0 / 3.0 * 3.14159265 * 0.008, 2e-5);
+    const auto& grid = shape.level_set.grid;
+    for (std::size_t i = 0; i < grid.node_count(); ++i) {
+        const double exact = 0.2 - norm(grid.position(grid.node(i)) - Vector3{0.5, 0.5, 0.5});
+        EXPECT_NEAR(shape.level_set.values[i], exact, (std::abs(exact) < 4.0 * grid.spacing() ? 0.005 : 0.2) / 32);
+    }
+}
+
+TEST(SolidReader, UnitsAndPlaceDoNotMatterWhenEachIsScaled) {
+    const FileFolder folder;
+    const TriangleMesh box = box_mesh({0.0, 0.0, 0.0}, {0.2, 0.1, 0.05});
+    TriangleMesh in_millimetres = box;
+    for (auto& p : in_millimetres.points) p = Vector3{5000, -300, 80} + 1000.0 * p;
+    NormalizeOptions each;
+    each.mode = "each";
+    each.level = 4;
+    const Shape<3> a = import_shape<3>(source_of(folder.write("m.obj", obj_text(box))), {}, each);
+    const Shape<3> b = import_shape<3>(source_of(folder.write("mm.obj", obj_text(in_millimetres))), {}, each);
+    EXPECT_NEAR(a.scale / b.scale, 1000.0, 1e-2);
+    for (std::size_t i = 0; i < a.level_set.values.size(); ++i) {
+        EXPECT_NEAR(a.level_set.values[i], b.level_set.values[i], 1e-5);
+    }
+}
+
+TEST(SolidReader, MirrorTakesNamesAndPatterns) {
+    const FileFolder folder;
+    // A corner piece: no rotation turns it into its mirror image.
+    const TriangleMesh chiral =
+        joined(joined(box_mesh({0, 0, 0}, {0.6, 0.2, 0.2}), box_mesh({0, 0.1, 0}, {0.2, 0.5, 0.2})),
+               box_mesh({0.05, 0.05, 0.1}, {0.15, 0.15, 0.4}));
+    const auto source = source_of(folder.write("left-foot.off", off_text(chiral)));
+    NormalizeOptions placed;
+    placed.level = 5;
+    const Shape<3> plain = import_shape<3>(source, {}, placed);
+    for (const char* list : {"left-foot.off", "other.ply, left-*", "*"}) {
+        ImportOptions options;
+        options.mirror = list;
+        const Shape<3> mirrored = import_shape<3>(source, options, placed);
+        EXPECT_NE(mirrored.digest, plain.digest);
+        EXPECT_THAT(mirrored.notes, Contains(HasSubstr("Mirrored")));
+        for (int k = 0; k <= 32; k += 4) {
+            for (int j = 0; j <= 32; j += 4) {
+                for (int i = 0; i <= 32; ++i) {
+                    EXPECT_NEAR(mirrored.level_set.values[mirrored.level_set.grid.index({i, j, k})],
+                                plain.level_set.values[plain.level_set.grid.index({32 - i, j, k})], 0.2 / 32);
+                }
+            }
+        }
+    }
+    ImportOptions others;
+    others.mirror = "right-*,foot";
+    EXPECT_EQ(import_shape<3>(source, others, placed).digest, plain.digest);
+}
+
+TEST(SolidReader, SameFileSameBits) {
+    const FileFolder folder;
+    TriangleMesh open = ball_mesh({3.0, 1.0, 2.0}, 0.7, 3);
+    open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 9);
+    const auto source = source_of(folder.write("open.stl", binary_stl(open)));
+    NormalizeOptions placed;
+    placed.level = 4;
+    EXPECT_EQ(import_shape<3>(source, {}, placed).digest, import_shape<3>(source, {}, placed).digest);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets

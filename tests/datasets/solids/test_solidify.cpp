@@ -1,0 +1,225 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "datasets/read_error.h"
+#include "datasets/solidify.h"
+#include "datasets/triangle_tree.h"
+#include "datasets/voxelize.h"
+#include "datasets/winding_number.h"
+#include "tests/datasets/solids/solid_files.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using namespace tests;
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr double pi = std::numbers::pi;
+constexpr double radius = 0.3;
+const Vector3 middle{0.5, 0.5, 0.5};
+const double ball_volume = 4.0 / 3.0 * pi * std::pow(radius, 3);
+
+/// Largest distance of the solid's surface from the sphere.
+double distance_from_sphere(const Solid& solid) {
+    double largest = 0.0;
+    for (const auto& p : solid.mesh.points) largest = std::max(largest, std::abs(norm(p - middle) - radius));
+    return largest;
+}
+
+/// Rebuilding cell of the ball.
+constexpr int cells = 64;
+constexpr double cell = 2.0 * radius / cells;
+SolidifyOptions coarse() {
+    SolidifyOptions options;
+    options.cells = cells;
+    return options;
+}
+
+TEST(SignedDistance, BallMeetsTheClosedForm) {
+    const TriangleMesh ball = ball_mesh(middle, radius, 6);
+    const DyadicGrid<3> grid(5);
+    const LevelSet<3> u = signed_distance(ball, grid);
+    double near = 0.0, far = 0.0;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const double exact = radius - norm(grid.position(grid.node(i)) - middle);
+        const double error = std::abs(u.values[i] - exact) / grid.spacing();
+        (std::abs(exact) < 4 * grid.spacing() ? near : far) =
+            std::max(std::abs(exact) < 4 * grid.spacing() ? near : far, error);
+    }
+    EXPECT_LT(near, 0.004);  // facets instead of a sphere: (pi / 128)^2 0.3 / 2 / h
+    EXPECT_LT(far, 0.2);
+}
+
+TEST(SignedDistance, BoxIsExactAlsoFarAway) {
+    const Vector3 low{0.2, 0.3, 0.4}, high{0.7, 0.8, 0.6};
+    const DyadicGrid<3> grid(5);
+    const LevelSet<3> u = signed_distance(box_mesh(low, high), grid);
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const Vector3 x = grid.position(grid.node(i));
+        Vector3 outside{};
+        double inside = 1.0;
+        for (int a = 0; a < 3; ++a) {
+            outside[a] = std::max({low[a] - x[a], x[a] - high[a], 0.0});
+            inside = std::min({inside, x[a] - low[a], high[a] - x[a]});
+        }
+        EXPECT_NEAR(u.values[i], norm(outside) > 0 ? -norm(outside) : inside, 0.2 * grid.spacing());
+    }
+}
+
+TEST(WindingNumber, AgreesWithTheExactCountOfRows) {
+    const TriangleMesh two = joined(ball_mesh(middle, 0.3, 4), ball_mesh({0.7, 0.5, 0.5}, 0.2, 4));
+    const Lattice lattice{{17, 17, 17}, {0.013, 0.017, 0.011}, 0.06};
+    const auto exact = winding_numbers(two, lattice);
+    const TriangleTree fast(two);
+    int twice = 0;
+    for (int k = 0; k < 17; ++k) {
+        for (int j = 0; j < 17; ++j) {
+            for (int i = 0; i < 17; ++i) {
+                EXPECT_NEAR(fast.winding_number(lattice.position(i, j, k)), exact[lattice.index(i, j, k)], 0.06);
+                twice += exact[lattice.index(i, j, k)] == 2;
+            }
+        }
+    }
+    EXPECT_GT(twice, 10);
+}
+
+TEST(Solidify, ClosedMeshIsTakenAsItIs) {
+    const TriangleMesh ball = ball_mesh(middle, radius, 5);
+    const Solid solid = solid_from_triangles(ball, "ball", coarse());
+    EXPECT_EQ(solid.mesh.triangles.size(), ball.triangles.size());
+    EXPECT_NEAR(solid.volume, ball_volume, 2e-3 * ball_volume);
+    EXPECT_LT(norm(solid.centroid - middle), 1e-12);
+    EXPECT_TRUE(solid.notes.empty());
+}
+
+TEST(Solidify, InsideOutIsTurned) {
+    TriangleMesh ball = ball_mesh(middle, radius, 4);
+    for (auto& t : ball.triangles) std::swap(t[0], t[1]);
+    const Solid solid = solid_from_triangles(ball, "ball", coarse());
+    EXPECT_GT(solid.volume, 0.99 * ball_volume);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("inside out")));
+}
+
+TEST(Solidify, TurnedTrianglesAgreeAgain) {
+    TriangleMesh ball = ball_mesh(middle, radius, 4);
+    for (std::size_t t = 0; t < ball.triangles.size(); t += 3) std::swap(ball.triangles[t][0], ball.triangles[t][1]);
+    const Solid solid = solid_from_triangles(ball, "ball", coarse());
+    EXPECT_GT(solid.volume, 0.99 * ball_volume);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("to agree with the neighbours")));
+}
+
+TEST(Solidify, HolesAreClosed) {
+    TriangleMesh ball = ball_mesh(middle, radius, 5);
+    std::erase_if(ball.triangles, [&](const auto& t) { return ball.points[t[0]][2] > middle[2] + 0.9 * radius; });
+    const Solid solid = solid_from_triangles(ball, "ball", coarse());
+    // A cap of a tenth of the radius is missing; it is closed by a flat lid.
+    const double cap = pi * std::pow(0.1 * radius, 2) * (radius - 0.1 * radius / 3.0);
+    EXPECT_NEAR(solid.volume, ball_volume - cap, 0.003 * ball_volume);
+    EXPECT_TRUE(topology(solid.mesh).closed());
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("Holes were closed")));
+    SolidifyOptions strict = coarse();
+    strict.close_gaps = 0.05;
+    EXPECT_THROW(solid_from_triangles(ball, "ball", strict), ReadError);
+}
+
+TEST(Solidify, CracksAndLooseTrianglesDoNoHarm) {
+    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    TriangleMesh soup;  // every triangle on its own, a little apart from the others, every other one turned
+    for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
+        const auto c = ball.corners(t);
+        const Vector3 centre = (1.0 / 3.0) * (c[0] + c[1] + c[2]);
+        const int first = static_cast<int>(soup.points.size());
+        for (const auto& p : c) soup.points.push_back(p + 1e-4 * (centre - p));
+        soup.triangles.push_back({first, first + 1, first + 2});
+        if (t % 2 == 1) std::swap(soup.triangles.back()[0], soup.triangles.back()[1]);
+    }
+    const Solid solid = solid_from_triangles(soup, "soup", coarse());
+    EXPECT_NEAR(solid.volume, ball_volume, 0.01 * ball_volume);
+    EXPECT_LT(distance_from_sphere(solid), cell);
+}
+
+TEST(Solidify, OverlappingPartsAreUnited) {
+    // Two balls of radius r whose centres are r apart: the lens in common is 5/12 pi r^3.
+    const TriangleMesh two = joined(ball_mesh(middle, radius, 5), ball_mesh({0.8, 0.5, 0.5}, radius, 5));
+    const Solid solid = solid_from_triangles(two, "two", coarse());
+    EXPECT_NEAR(solid.volume, 2.0 * ball_volume - 5.0 / 12.0 * pi * std::pow(radius, 3), 0.008 * ball_volume);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("united")));
+    EXPECT_EQ(patches(solid.mesh, true).count, 1);
+}
+
+TEST(Solidify, HollowObjectsStayHollow) {
+    TriangleMesh inner = ball_mesh(middle, 0.2, 4);
+    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const Solid solid = solid_from_triangles(joined(ball_mesh(middle, radius, 5), inner), "shell", coarse());
+    EXPECT_NEAR(solid.volume, 4.0 / 3.0 * pi * (std::pow(radius, 3) - 0.008), 0.01 * ball_volume);
+    const LevelSet<3> u = signed_distance(solid.mesh, DyadicGrid<3>(4));
+    EXPECT_LT(u.values[u.grid.index({8, 8, 8})], -0.15);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
+}
+
+TEST(Solidify, NonManifoldMeshes) {
+    // A wall through the middle of a box: its edges have three triangles each.
+    TriangleMesh walled = box_mesh({0.2, 0.2, 0.2}, {0.5, 0.8, 0.8});
+    const TriangleMesh right = box_mesh({0.5, 0.2, 0.2}, {0.8, 0.8, 0.8});
+    walled = joined(walled, right);
+    const Solid solid = solid_from_triangles(walled, "walled", coarse());
+    EXPECT_NEAR(solid.volume, 0.216, 0.003);
+    EXPECT_EQ(patches(solid.mesh, true).count, 1);
+}
+
+TEST(Solidify, FlatAndOneSidedScansAreRefused) {
+    TriangleMesh flat, bump;
+    const int n = 40;
+    for (int j = 0; j <= n; ++j) {
+        for (int i = 0; i <= n; ++i) {
+            const double x = i / 40.0, y = j / 40.0;
+            flat.points.push_back({x, y, 0.3 * x});
+            bump.points.push_back({x, y, 0.2 * std::exp(-20.0 * ((x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5)))});
+        }
+    }
+    for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
+            const int a = i + (n + 1) * j;
+            flat.triangles.push_back({a, a + 1, a + n + 2});
+            flat.triangles.push_back({a, a + n + 2, a + n + 1});
+        }
+    }
+    bump.triangles = flat.triangles;
+    const auto refusal = [](const auto& attempt) -> std::string {
+        try {
+            attempt();
+        } catch (const ReadError& error) {
+            return error.problem();
+        }
+        return "accepted";
+    };
+    EXPECT_THAT(refusal([&] { solid_from_triangles(flat, "flat", coarse()); }), HasSubstr("flat"));
+    EXPECT_THAT(refusal([&] { solid_from_triangles(bump, "bump", coarse()); }), HasSubstr("one side"));
+    EXPECT_THAT(refusal([&] { solid_from_points(flat.points, "flat", coarse()); }), HasSubstr("flat"));
+    EXPECT_THAT(refusal([&] { solid_from_points(bump.points, "bump", coarse()); }), HasSubstr("enclose no volume"));
+    EXPECT_THAT(refusal([&] {
+                    solid_from_points({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, "few", coarse());
+                }),
+                HasSubstr("too few"));
+}
+
+TEST(Solidify, PointCloudOfABall) {
+    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    const Solid solid = solid_from_points(ball.points, "cloud", coarse());
+    EXPECT_NEAR(solid.volume, ball_volume, 0.06 * ball_volume);
+    EXPECT_LT(norm(solid.centroid - middle), 0.003);
+    EXPECT_TRUE(topology(solid.mesh).closed());
+}
+
+TEST(Solidify, SpecksAreRemoved) {
+    const TriangleMesh two = joined(ball_mesh(middle, radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.02, 2));
+    const Solid solid = solid_from_triangles(two, "speck", coarse());
+    EXPECT_EQ(patches(solid.mesh, true).count, 1);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("Removed 1 speck")));
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets
