@@ -140,7 +140,7 @@ Database::Database(std::filesystem::path file, bool writable) : file_(std::move(
         fail(file_, connection_, code);
     }
     sqlite3_extended_result_codes(connection_, 1);
-    sqlite3_busy_timeout(connection_, 10000);
+    sqlite3_busy_timeout(connection_, 5000);
 }
 
 Database::~Database() {

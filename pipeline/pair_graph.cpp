@@ -113,6 +113,14 @@ StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>&
     failed.a = a.row.content_digest;
     failed.b = b.row.content_digest;
     failed.settings_hash = settings_hash(options);
+    if (failed.a == failed.b) {  // nothing to solve: the distance of a shape to itself is 0
+        StoredGeodesic zero = failed;
+        zero.message = "the two shapes are equal";
+        zero.min_det = 1.0;
+        zero.deformation_energy.assign(static_cast<std::size_t>(options.time_steps), 0.0);
+        zero.mismatch_energy = zero.deformation_energy;
+        return zero;
+    }
     try {
         const ScalarField<Dim> known_everywhere;
         // Isolated: a thread that waits inside this pair must not begin another one.

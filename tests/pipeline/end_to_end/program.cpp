@@ -1,0 +1,118 @@
+#include "program.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace morphodesic::tests {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+pid_t start(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder) {
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    const std::string out = (folder / "out").string(), err = (folder / "err").string();
+    const pid_t process = fork();
+    if (process == 0) {
+        const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        ::dup2(o, STDOUT_FILENO);
+        ::dup2(e, STDERR_FILENO);
+        ::execv(program.c_str(), argv.data());
+        ::_exit(127);
+    }
+    return process;
+}
+
+Outcome outcome(pid_t process, const fs::path& folder) {
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    return {code, read_file(folder / "out"), read_file(folder / "err")};
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "morphodesic-test-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
+    path_ = pattern;
+}
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+Outcome morphodesic(const std::vector<std::string>& arguments) {
+    const TemporaryFolder folder;
+    return outcome(start(MORPHODESIC_PROGRAM, arguments, folder.path()), folder.path());
+}
+
+Outcome shell(const std::string& command) {
+    const TemporaryFolder folder;
+    return outcome(start("/bin/bash", {"-c", "MORPHODESIC=" MORPHODESIC_PROGRAM "; " + command}, folder.path()),
+                   folder.path());
+}
+
+BackgroundRun::BackgroundRun(const std::vector<std::string>& arguments)
+    : process_(start(MORPHODESIC_PROGRAM, arguments, folder_.path())) {}
+BackgroundRun::~BackgroundRun() {
+    if (waited_) return;
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+}
+void BackgroundRun::signal(int number) const {
+    ::kill(process_, number);
+}
+Outcome BackgroundRun::wait() {
+    waited_ = true;
+    return outcome(process_, folder_.path());
+}
+
+std::string read_file(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+void write_file(const fs::path& file, const std::string& bytes) {
+    fs::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+void make_disks(const fs::path& folder, int n) {
+    const Outcome made = morphodesic(
+        {"datasets", "disks", "--out", folder.string(), "--count", std::to_string(n), "--size", "64", "--quiet"});
+    ASSERT_EQ(made.code, 0) << made.err;
+}
+
+std::vector<std::string> quick(std::vector<std::string> arguments) {
+    for (const char* option : {"--level", "4", "--steps", "2", "--starts", "1"}) arguments.emplace_back(option);
+    return arguments;
+}
+
+long stored_rows(const fs::path& study) {
+    sqlite3* connection = nullptr;
+    long rows = 0;
+    if (sqlite3_open_v2((study / "study.sqlite").c_str(), &connection, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK) {
+        sqlite3_stmt* statement = nullptr;
+        if (sqlite3_prepare_v2(connection, "SELECT count(*) FROM geodesics", -1, &statement, nullptr) == SQLITE_OK &&
+            sqlite3_step(statement) == SQLITE_ROW) {
+            rows = static_cast<long>(sqlite3_column_int64(statement, 0));
+        }
+        sqlite3_finalize(statement);
+    }
+    sqlite3_close(connection);
+    return rows;
+}
+
+}  // namespace morphodesic::tests

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace morphodesic::tests {
+
+/// A folder that is there for one test.
+class TemporaryFolder {
+public:
+    TemporaryFolder();
+    ~TemporaryFolder();
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// How a run of the program ended. A signal n is code 128 + n, as in a shell.
+struct Outcome {
+    int code = -1;
+    std::string out, err;
+};
+
+/// Runs the program and waits.
+Outcome morphodesic(const std::vector<std::string>& arguments);
+/// Runs a shell command with the program's path in $MORPHODESIC and waits.
+Outcome shell(const std::string& command);
+
+/// The program in the background.
+class BackgroundRun {
+public:
+    explicit BackgroundRun(const std::vector<std::string>& arguments);
+    ~BackgroundRun();
+    BackgroundRun(const BackgroundRun&) = delete;
+    BackgroundRun& operator=(const BackgroundRun&) = delete;
+    void signal(int number) const;
+    Outcome wait();
+
+private:
+    TemporaryFolder folder_;
+    pid_t process_ = -1;
+    bool waited_ = false;
+};
+
+std::string read_file(const std::filesystem::path& file);
+void write_file(const std::filesystem::path& file, const std::string& bytes);
+
+/// A collection of n disks and m matchstick men; small and quick at --level 4.
+void make_disks(const std::filesystem::path& folder, int n);
+
+/// Options that make a pair a matter of milliseconds.
+std::vector<std::string> quick(std::vector<std::string> arguments);
+
+/// Geodesics in a store right now, 0 if there is none yet; may be asked while the program runs.
+long stored_rows(const std::filesystem::path& study);
+
+}  // namespace morphodesic::tests

@@ -1,0 +1,248 @@
+// What happens to a study when the process, the disk, the store or the user does something wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "program.h"
+
+namespace morphodesic::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// Waits until the running program has stored that many pairs; false after half a minute.
+bool wait_for_rows(const fs::path& study, long rows) {
+    for (int i = 0; i < 6000; ++i) {
+        if (stored_rows(study) >= rows) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+}
+
+void execute(const fs::path& store, const std::string& sql) {
+    sqlite3* connection = nullptr;
+    ASSERT_EQ(sqlite3_open(store.c_str(), &connection), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(connection, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sql;
+    sqlite3_close(connection);
+}
+
+/// A collection whose study takes a second or two, so that there is a middle to stop it in.
+class StoppedStudy : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_EQ(morphodesic({"datasets", "matchstick", "--out", men_.string(), "--count", "9", "--quiet"}).code, 0);
+    }
+    std::vector<std::string> command(const std::string& out) {
+        return {"run",       men_.string(),
+                "--out",     (folder_ / out).string(),
+                "--level",   "5",
+                "--steps",   "2",
+                "--json",    "--quiet",
+                "--paths",   "none",
+                "--threads", "2"};
+    }
+    /// The study goes on where it was stopped and ends with the bytes of one that was never stopped.
+    void expect_resumed(long at_least) {
+        const json resumed = json::parse(morphodesic(command("stopped")).out);
+        EXPECT_EQ(resumed["pairs"], 36);
+        EXPECT_GE(resumed["pairs_from_store"], at_least);
+        EXPECT_GT(resumed["pairs_computed"], 0);
+        ASSERT_EQ(morphodesic(command("undisturbed")).code, 0);
+        const std::string bytes = read_file(folder_ / "undisturbed/distances.csv");
+        ASSERT_FALSE(bytes.empty());
+        EXPECT_EQ(read_file(folder_ / "stopped/distances.csv"), bytes);
+    }
+    TemporaryFolder folder_;
+    fs::path men_ = folder_ / "men";
+};
+
+TEST_F(StoppedStudy, KillLosesAtMostThePairsInFlight) {
+    BackgroundRun run(command("stopped"));
+    ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 4));
+    run.signal(SIGKILL);
+    EXPECT_EQ(run.wait().code, 128 + SIGKILL);
+    EXPECT_FALSE(fs::exists(folder_ / "stopped/distances.csv"));
+    expect_resumed(4);
+}
+
+TEST_F(StoppedStudy, InterruptStopsInGoodOrderAndSaysHowToGoOn) {
+    BackgroundRun run(command("stopped"));
+    ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 4));
+    run.signal(SIGINT);
+    const Outcome stopped = run.wait();
+    EXPECT_EQ(stopped.code, 128 + SIGINT);
+    EXPECT_THAT(stopped.err, HasSubstr("give the same command again"));
+    expect_resumed(4);
+}
+
+TEST_F(StoppedStudy, TerminateIsTheSameAsInterrupt) {
+    BackgroundRun run(command("stopped"));
+    ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 1));
+    run.signal(SIGTERM);
+    EXPECT_EQ(run.wait().code, 128 + SIGTERM);
+}
+
+TEST_F(StoppedStudy, ASecondProcessIsTurnedAwayAndTheFirstOneEndsWell) {
+    BackgroundRun first(command("stopped"));
+    ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 1));
+    const Outcome second = morphodesic(command("stopped"));
+    EXPECT_EQ(second.code, 3);
+    EXPECT_THAT(second.err, HasSubstr("another process works on this study"));
+    const Outcome done = first.wait();
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(json::parse(done.out)["pairs_computed"], 36);
+}
+
+TEST_F(StoppedStudy, AFullDiskEndsWithAdviceAndNothingIsLost) {
+    // A limit on the size of files stands for the full disk: the store may not grow beyond it.
+    std::string line = "ulimit -f 400; exec \"$MORPHODESIC\"";
+    for (const std::string& word : command("stopped")) line += " '" + word + "'";
+    const Outcome full = shell(line);
+    EXPECT_EQ(full.code, 3) << full.err;
+    EXPECT_THAT(full.err, HasSubstr("give the same command again"));
+    const Outcome again = morphodesic(command("stopped"));
+    EXPECT_EQ(again.code, 0) << again.err;
+    ASSERT_EQ(morphodesic(command("undisturbed")).code, 0);
+    EXPECT_EQ(read_file(folder_ / "stopped/distances.csv"), read_file(folder_ / "undisturbed/distances.csv"));
+}
+
+class DisturbedStore : public testing::Test {
+protected:
+    void SetUp() override {
+        make_disks(folder_ / "disks", 4);
+        ASSERT_EQ(morphodesic(command_).code, 0);
+        bytes_ = read_file(folder_ / "disks.study/distances.csv");
+    }
+    TemporaryFolder folder_;
+    fs::path store_ = folder_ / "disks.study/study.sqlite";
+    std::vector<std::string> command_ = quick({"run", (folder_ / "disks").string(), "--json"});
+    std::string bytes_;
+};
+
+TEST_F(DisturbedStore, AnotherVersionIsRefused) {
+    execute(store_, "PRAGMA user_version = 99");
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("newer morphodesic"));
+    EXPECT_THAT(done.err, HasSubstr("--out"));
+}
+
+TEST_F(DisturbedStore, AForeignDatabaseIsRefused) {
+    fs::remove(store_);
+    execute(store_, "CREATE TABLE mine(x)");
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("not the store"));
+}
+
+TEST_F(DisturbedStore, GarbageIsRefusedWithAdvice) {
+    write_file(store_, std::string(5000, 'x'));
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("damaged"));
+}
+
+TEST_F(DisturbedStore, AChangedNumberIsFoundAndComputedAgain) {
+    execute(store_, "UPDATE geodesics SET path_length = path_length * 1.001 WHERE a = (SELECT min(a) FROM geodesics)");
+    const Outcome checked = morphodesic({"verify", (folder_ / "disks.study").string()});
+    EXPECT_EQ(checked.code, 1);
+    EXPECT_THAT(checked.out, HasSubstr("damaged"));
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 0);
+    EXPECT_THAT(done.err, HasSubstr("damaged"));
+    EXPECT_GT(json::parse(done.out)["pairs_computed"], 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, ALockedStoreEndsWithAdvice) {
+    sqlite3* connection = nullptr;
+    ASSERT_EQ(sqlite3_open(store_.c_str(), &connection), SQLITE_OK);
+    ASSERT_EQ(sqlite3_exec(connection, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("locked"));
+    sqlite3_close(connection);
+}
+
+TEST(Usage, EveryMistakeHasItsExitCode) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(morphodesic({}).code, 2);
+    EXPECT_EQ(morphodesic({"run"}).code, 2);
+    EXPECT_EQ(morphodesic({"fly"}).code, 2);
+    EXPECT_EQ(morphodesic({"run", folder.path().string(), "--wings"}).code, 2);
+    EXPECT_EQ(morphodesic({"run", (folder / "nothing").string()}).code, 2);
+    EXPECT_EQ(morphodesic({"geodesic", (folder / "a.png").string(), (folder / "b.png").string()}).code, 2);
+    const Outcome level = morphodesic({"run", folder.path().string(), "--level", "99"});
+    EXPECT_EQ(level.code, 2);
+    EXPECT_THAT(level.err, HasSubstr("level must be between"));
+    EXPECT_EQ(morphodesic({"report", (folder / "nothing").string()}).code, 3);
+    EXPECT_EQ(morphodesic({"--help"}).code, 0);
+    EXPECT_THAT(morphodesic({"--version"}).out, HasSubstr("morphodesic "));
+}
+
+TEST(Usage, AFolderWithoutShapesIsNothingUsable) {
+    const TemporaryFolder folder;
+    write_file(folder / "texts/readme.txt", "no shapes here");
+    const Outcome done = morphodesic({"run", (folder / "texts").string()});
+    EXPECT_EQ(done.code, 2);
+    EXPECT_THAT(done.err, HasSubstr("no shapes found"));
+}
+
+TEST(Usage, AStudyFolderThatCannotBeMadeIsTheEnvironment) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    write_file(folder / "file", "in the way");
+    const Outcome done = morphodesic({"run", (folder / "disks").string(), "--out", (folder / "file/study").string()});
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("--out"));
+}
+
+TEST(Usage, HelpTeachesEverySubcommand) {
+    for (const char* command : {"run", "ingest", "geodesics", "analyze", "report", "verify", "geodesic", "datasets"}) {
+        const Outcome help = morphodesic({command, "--help"});
+        EXPECT_EQ(help.code, 0);
+        EXPECT_THAT(help.out, HasSubstr("Examples:")) << command;
+    }
+}
+
+TEST(Usage, ConfigurationFilesStandBelowTheCommandLineAndAbovePresets) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    write_file(folder / "study.toml",
+               "level = 4\nsteps = 2\nlambda = 2.0\nalign = \"none\"\npreserve-volume = false\n");
+    const Outcome done = morphodesic({"run", (folder / "disks").string(), "--config", (folder / "study.toml").string(),
+                                      "--preset", "fine", "--lambda", "1.5", "--quiet"});
+    ASSERT_EQ(done.code, 0) << done.err;
+    const std::string report = read_file(folder / "disks.study/report.json");
+    const json model = json::parse(report);
+    std::map<std::string, std::string> settings;
+    for (const auto& setting : model["settings"]) settings[setting["name"]] = setting["value"];
+    EXPECT_EQ(settings["level"], "4");
+    EXPECT_EQ(settings["lambda"], "1.5");
+    EXPECT_EQ(settings["align"], "none");
+    EXPECT_EQ(settings["tolerance"], "0.001");  // of the preset
+}
+
+TEST(Usage, AWrongConfigurationFileIsSaidWithFileAndLine) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    write_file(folder / "bad.toml", "level = 4\nlevel = [\n");
+    const Outcome broken =
+        morphodesic({"run", (folder / "disks").string(), "--config", (folder / "bad.toml").string()});
+    EXPECT_EQ(broken.code, 2);
+    EXPECT_THAT(broken.err, HasSubstr("bad.toml, line 2"));
+    write_file(folder / "unknown.toml", "wings = 2\n");
+    EXPECT_EQ(morphodesic({"run", (folder / "disks").string(), "--config", (folder / "unknown.toml").string()}).code,
+              2);
+}
+
+}  // namespace
+}  // namespace morphodesic::tests

@@ -1,0 +1,215 @@
+// Whole runs of the program on small generated collections.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "analysis/matrix_csv.h"
+#include "program.h"
+
+namespace morphodesic::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+TEST(Study, ARunLeavesEverythingTheContractNames) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 5);
+    const Outcome done = morphodesic(quick({"run", (folder / "disks").string()}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    for (const char* name : {"study.sqlite", "distances.csv", "distances.npy", "pairs.csv", "clusters.csv",
+                             "linkage.csv", "embedding.csv", "report.html", "report.json", "paths"}) {
+        EXPECT_TRUE(fs::exists(folder / "disks.study" / name)) << name;
+    }
+    EXPECT_THAT(done.out, HasSubstr("5 shapes, 10 pairs"));
+    const auto distances = analysis::read_distance_csv(folder / "disks.study" / "distances.csv");
+    ASSERT_EQ(distances.size(), 5u);
+    EXPECT_EQ(distances.missing_count(), 0u);
+    // Larger and larger disks: the distance grows with the difference of the radii.
+    for (std::size_t i = 2; i < 5; ++i) EXPECT_GT(distances(0, i), distances(0, i - 1));
+    const json report = json::parse(read_file(folder / "disks.study" / "report.json"));
+    EXPECT_FALSE(report.empty());
+}
+
+TEST(Study, TheSameCommandAgainComputesNothing) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 4);
+    const auto command = quick({"run", (folder / "disks").string(), "--json", "--quiet"});
+    const json first = json::parse(morphodesic(command).out);
+    EXPECT_EQ(first["pairs_computed"], 6);
+    const std::string bytes = read_file(folder / "disks.study/distances.csv");
+    const json second = json::parse(morphodesic(command).out);
+    EXPECT_EQ(second["pairs_computed"], 0);
+    EXPECT_EQ(second["pairs_from_store"], 6);
+    EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), bytes);
+}
+
+TEST(Study, BytesDoNotDependOnThreads) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(
+        morphodesic({"datasets", "matchstick", "--out", (folder / "men").string(), "--count", "5", "--quiet"}).code, 0);
+    for (const char* threads : {"1", "8"}) {
+        const Outcome done = morphodesic({"run", (folder / "men").string(), "--level", "5", "--steps", "2", "--threads",
+                                          threads, "--out", (folder / threads).string(), "--paths", "none"});
+        ASSERT_EQ(done.code, 0) << done.err;
+    }
+    const std::string bytes = read_file(folder / "1/distances.csv");
+    ASSERT_FALSE(bytes.empty());
+    EXPECT_EQ(read_file(folder / "8/distances.csv"), bytes);
+    EXPECT_EQ(read_file(folder / "8/linkage.csv"), read_file(folder / "1/linkage.csv"));
+}
+
+TEST(Study, OneMoreImageComputesOnlyItsPairs) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 5);
+    const fs::path last = folder / "disks/disk-03.png";
+    fs::rename(last, folder / "aside.png");  // not the largest: the common scale stays
+    const auto command = quick({"run", (folder / "disks").string(), "--json", "--quiet"});
+    EXPECT_EQ(json::parse(morphodesic(command).out)["pairs_computed"], 6);
+    fs::rename(folder / "aside.png", last);
+    const json more = json::parse(morphodesic(command).out);
+    EXPECT_EQ(more["pairs_computed"], 4);
+    EXPECT_EQ(more["pairs_from_store"], 6);
+    const auto other = quick({"run", (folder / "disks").string(), "--out", (folder / "fresh").string(), "--quiet"});
+    ASSERT_EQ(morphodesic(other).code, 0);
+    EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), read_file(folder / "fresh/distances.csv"));
+}
+
+TEST(Study, AShapeThatDoesNotFitRescalesAllAndSaysSo) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 4);
+    const fs::path largest = folder / "disks/disk-04.png";
+    fs::rename(largest, folder / "aside.png");
+    const auto command = quick({"run", (folder / "disks").string(), "--json"});
+    ASSERT_EQ(morphodesic(command).code, 0);
+    fs::rename(folder / "aside.png", largest);
+    const Outcome again = morphodesic(command);
+    EXPECT_EQ(json::parse(again.out)["pairs_computed"], 6);
+    EXPECT_THAT(again.err, HasSubstr("does not fit"));
+}
+
+TEST(Study, SettingsNeverMixAndOldResultsStay) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    const auto coarse = quick({"run", (folder / "disks").string(), "--json", "--quiet"});
+    ASSERT_EQ(json::parse(morphodesic(coarse).out)["pairs_computed"], 3);
+    const std::string bytes = read_file(folder / "disks.study/distances.csv");
+    auto other = coarse;
+    other.insert(other.end(), {"--lambda", "1"});
+    EXPECT_EQ(json::parse(morphodesic(other).out)["pairs_computed"], 3);
+    EXPECT_NE(read_file(folder / "disks.study/distances.csv"), bytes);
+    EXPECT_EQ(json::parse(morphodesic(coarse).out)["pairs_computed"], 0);
+    EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), bytes);
+}
+
+TEST(Study, TheFourStepsGiveTheSameAsRun) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    const std::string study = (folder / "steps").string();
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
+    ASSERT_EQ(morphodesic(quick({"ingest", (folder / "disks").string(), "--out", study, "--quiet"})).code, 0);
+    EXPECT_EQ(stored_rows(study), 0);
+    ASSERT_EQ(morphodesic({"geodesics", study, "--quiet"}).code, 0);  // settings as ingested
+    ASSERT_EQ(morphodesic({"analyze", study, "--quiet"}).code, 0);
+    EXPECT_EQ(read_file(folder / "steps/distances.csv"), read_file(folder / "disks.study/distances.csv"));
+    EXPECT_FALSE(fs::exists(folder / "steps/report.html"));
+    ASSERT_EQ(morphodesic({"report", study, "--quiet"}).code, 0);
+    EXPECT_TRUE(fs::exists(folder / "steps/report.html"));
+    const Outcome verified = morphodesic({"verify", study, "--json"});
+    EXPECT_EQ(verified.code, 0);
+    EXPECT_EQ(json::parse(verified.out)["checked"], 3);
+}
+
+TEST(Study, FilesOfEqualContentHaveDistanceZero) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    fs::copy_file(folder / "disks/disk-02.png", folder / "disks/twin.png");
+    const Outcome done = morphodesic(quick({"run", (folder / "disks").string(), "--json", "--quiet"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    const auto distances = analysis::read_distance_csv(folder / "disks.study/distances.csv");
+    ASSERT_EQ(distances.size(), 4u);
+    EXPECT_EQ(distances(1, 3), 0.0);
+    EXPECT_EQ(distances(0, 1), distances(0, 3));
+}
+
+TEST(Study, BadFilesAreListedAndTheRestGoesOn) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    write_file(folder / "disks/broken.png", "\x89PNG\r\n\x1a\nnot really");
+    write_file(folder / "disks/empty.png", "");
+    fs::create_directories(folder / "disks/folder.png");
+    const Outcome done = morphodesic(quick({"run", (folder / "disks").string(), "--json"}));
+    EXPECT_EQ(done.code, 1);
+    const json summary = json::parse(done.out);
+    EXPECT_EQ(summary["shapes"], 3);
+    EXPECT_EQ(summary["pairs_computed"], 3);
+    EXPECT_EQ(summary["failures"].size(), 2u) << summary["failures"];
+    EXPECT_THAT(done.err, HasSubstr("broken.png"));
+    EXPECT_THAT(done.err, HasSubstr("empty.png"));
+    EXPECT_EQ(analysis::read_distance_csv(folder / "disks.study/distances.csv").size(), 3u);
+}
+
+TEST(Study, NamesMayHoldAnything) {
+    const TemporaryFolder folder;
+    make_disks(folder / "plain", 3);
+    const std::vector<std::string> names{"a b,\"c\".png", "<b>%s.png", "-x\n\xc3\xa9.png"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        fs::create_directories(folder / "odd");
+        fs::copy_file(folder / ("plain/disk-0" + std::to_string(i + 1) + ".png"), folder / "odd" / names[i]);
+    }
+    const Outcome done = morphodesic(quick({"run", (folder / "odd").string(), "--quiet"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    const auto distances = analysis::read_distance_csv(folder / "odd.study/distances.csv");
+    EXPECT_THAT(distances.labels(), testing::UnorderedElementsAreArray(names));
+    EXPECT_EQ(distances.missing_count(), 0u);
+}
+
+TEST(Geodesic, OnePairAsJsonAndPictures) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    const Outcome done =
+        morphodesic(quick({"geodesic", (folder / "disks/disk-01.png").string(), (folder / "disks/disk-03.png").string(),
+                           "--json", "--out", (folder / "path").string()}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    const json result = json::parse(done.out);
+    for (const char* key : {"path_length", "path_energy", "error", "min_det", "termination"}) {
+        EXPECT_TRUE(result.contains(key)) << key;
+    }
+    EXPECT_GT(result["path_length"], 0.05);
+    EXPECT_LE(std::pow(result["path_length"].get<double>(), 2), result["path_energy"].get<double>() * (1 + 1e-12));
+    EXPECT_EQ(result["termination"], "converged");
+    for (const char* name : {"step-00.png", "step-01.png", "step-02.png", "colours.json", "geodesic.json"}) {
+        EXPECT_TRUE(fs::exists(folder / "path" / name)) << name;
+    }
+}
+
+TEST(Geodesic, AShapeHasDistanceZeroToItself) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 1);
+    const std::string file = (folder / "disks/disk-01.png").string();
+    const Outcome done = morphodesic(quick({"geodesic", file, file, "--json"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(json::parse(done.out)["path_length"], 0.0);
+}
+
+TEST(Datasets, EveryKindIsMadeAndTheSameForTheSameSeed) {
+    const TemporaryFolder folder;
+    for (const std::string kind : {"letters", "bars", "dumbbells", "disks", "matchstick"}) {
+        for (const char* again : {"1", "2"}) {
+            const Outcome done = morphodesic({"datasets", kind, "--out", (folder / (kind + again)).string(), "--count",
+                                              "4", "--size", "48", "--json"});
+            ASSERT_EQ(done.code, 0) << done.err;
+            EXPECT_EQ(json::parse(done.out)["shapes"], 4);
+        }
+        for (const auto& entry : fs::directory_iterator(folder / (kind + "1"))) {
+            EXPECT_EQ(read_file(entry.path()), read_file(folder / (kind + "2") / entry.path().filename().string()));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace morphodesic::tests
