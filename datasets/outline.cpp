@@ -123,7 +123,7 @@ private:
 /// direction across its pixel pair: straight edges become straight, curvature and area stay, corners stay. A crossing
 /// that is one step of a steep edge tells nothing about the place of that edge; its position is set to NaN.
 std::vector<double> fitted_positions(const std::vector<Crossing>& loop) {
-    constexpr int reach = 5;
+    constexpr int reach = 8;
     const int n = static_cast<int>(loop.size());
     const auto position = [&](int i, bool vertical) {
         const Crossing& c = loop[static_cast<std::size_t>(((i % n) + n) % n)];
@@ -137,27 +137,28 @@ std::vector<double> fitted_positions(const std::vector<Crossing>& loop) {
         if (n < 2 * reach + 1) continue;
         const auto [s0, h0] = position(i, c.vertical);
         const double direction = position(i + 1, c.vertical).first > s0 ? 1.0 : -1.0;
-        // Extend to both sides equally while the outline runs on in the same direction.
-        double m[5] = {1, 0, 0, 0, 0}, r[3] = {h0, 0, 0};
-        double s_back = s0, s_front = s0;
+        // Both sides equally, as far as the outline runs on in the same direction. Where it turns away, the last
+        // crossing belongs to what comes after the corner.
+        const auto ahead = [&](int k) {  // whether the step from crossing k - 1 to k on either side goes on
+            return direction * (position(i - k + 1, c.vertical).first - position(i - k, c.vertical).first) > 1e-9 &&
+                   direction * (position(i + k, c.vertical).first - position(i + k - 1, c.vertical).first) > 1e-9;
+        };
         int used = 0;
-        for (int k = 1; k <= reach; ++k) {
-            const auto [sb, hb] = position(i - k, c.vertical);
-            const auto [sf, hf] = position(i + k, c.vertical);
-            if (direction * (s_back - sb) < 1e-9 || direction * (sf - s_front) < 1e-9) break;
-            s_back = sb, s_front = sf;
-            ++used;
-            for (const auto& [s, h] : {std::make_pair(sb - s0, hb), std::make_pair(sf - s0, hf)}) {
-                double power = 1.0;
-                for (int q = 0; q < 5; ++q, power *= s) m[q] += power;
-                r[0] += h, r[1] += h * s, r[2] += h * s * s;
-            }
-        }
-        if (used == 1 && direction * (s_back - position(i - 2, c.vertical).first) < 1e-9 &&
-            direction * (position(i + 2, c.vertical).first - s_front) < 1e-9) {
+        while (used < reach && ahead(used + 1)) ++used;
+        if (used == 1 && direction * (position(i - 1, c.vertical).first - position(i - 2, c.vertical).first) < 1e-9 &&
+            direction * (position(i + 2, c.vertical).first - position(i + 1, c.vertical).first) < 1e-9) {
             result[static_cast<std::size_t>(i)] = std::nan("");
         }
+        if (used < reach) --used;
         if (used < 2) continue;
+        double m[5] = {1, 0, 0, 0, 0}, r[3] = {h0, 0, 0};
+        for (int k = -used; k <= used; ++k) {
+            if (k == 0) continue;
+            const auto [s, h] = position(i + k, c.vertical);
+            double power = 1.0;
+            for (int q = 0; q < 5; ++q, power *= s - s0) m[q] += power;
+            r[0] += h, r[1] += h * (s - s0), r[2] += h * (s - s0) * (s - s0);
+        }
         // Least squares h = a + b s + c s^2; a is the wanted height at s = 0 (Cramer's rule).
         const double det = m[0] * (m[2] * m[4] - m[3] * m[3]) - m[1] * (m[1] * m[4] - m[3] * m[2]) +
                            m[2] * (m[1] * m[3] - m[2] * m[2]);

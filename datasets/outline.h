@@ -37,9 +37,9 @@ OutlineMoments moments(const Outline& outline);
 
 /// The line of half coverage in pixel units: x to the right, y up, origin in the lower left corner of the image. Beyond
 /// the image there is no object, so a shape that touches the border is closed along the border. Where two parts meet at
-/// a corner they are joined. An anti-aliased image tells the line to about 0.1 pixel. A black and white one only tells
-/// between which two pixels it passes; its stair-case is smoothed by local parabolas without ever leaving that
-/// interval, i.e. by less than half a pixel.
+/// a corner they are joined. An anti-aliased image tells the line to 0.12 pixel (0.05 root mean square,
+/// measured on disks). A black and white one only tells between which two pixels it passes; local parabolas smooth its
+/// stair-case without leaving that interval (0.5 pixel, 0.14 root mean square; 0.25 without them).
 Outline outline_of(const Coverage& coverage);
 
 struct SpeckRemoval {
