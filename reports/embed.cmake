@@ -1,4 +1,4 @@
-# cmake -DOUTPUT=assets.cpp -DTEMPLATES=dir -DVEGA=dir -DWORK=dir -P embed.cmake
+# cmake -DOUTPUT=assets.cpp -DTEMPLATES=dir -DPARTS=scripts -DVEGA=dir -DWORK=dir -P embed.cmake
 # Makes the one script of the report (Vega's modules and our page) and puts it, style and skeleton into a C++ file.
 # The script's SHA-256 goes into the Content-Security-Policy, so that no other script can run in a report.
 cmake_minimum_required(VERSION 3.25)
@@ -21,7 +21,7 @@ foreach(module IN LISTS modules)
   string(APPEND script "(function (module) { const exports = module.exports, require = name => vegaModules[name];\n"
     "${content}\nvegaModules[\"vega-${module}\"] = module.exports; })({exports: {}});\n")
 endforeach()
-foreach(part IN ITEMS text.js charts.js pair.js sections.js page.js)
+foreach(part IN LISTS PARTS)
   file(READ "${TEMPLATES}/${part}" content)
   string(APPEND script "${content}")
 endforeach()

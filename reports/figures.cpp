@@ -298,7 +298,7 @@ void draw_graph(Svg& svg, const Study& s, const Layout& l, const std::vector<Edg
 }
 
 double picture_size(std::size_t n) {
-    return n > 400 ? 0 : std::clamp(300.0 / std::sqrt(static_cast<double>(n)), 14.0, 64.0);
+    return n > 400 ? 0 : std::clamp(230.0 / std::sqrt(static_cast<double>(n)), 14.0, 64.0);
 }
 
 Figure embedding(const Study& s, const Embedding& e) {

@@ -1,309 +1,332 @@
 // ---- the sections of the page, each a function that returns a <section>, or null if the study has no such data
 function section(id, title, ...children) {
-  return el("section", {id, "aria-labelledby": id + "-title"}, el("h2", {id: id + "-title"}, title), ...children);
+    return el('section', {id, 'aria-labelledby': id + '-title'}, el('h2', {id: id + '-title'}, title), ...children);
 }
-const chartBox = (id, attributes) => el("div", {id, class: "chart", ...attributes});
-const remarks = (list, kind) => list.length ? el("ul", {class: kind || ""}, list.map(t => el("li", {}, shown(t)))) : null;
+const chartBox = (id, attributes) => el('div', {id, class: 'chart', ...attributes});
+const remarks = (list, kind) =>
+    list.length ? el('ul', {class: kind || ''}, list.map(t => el('li', {}, shown(t)))) : null;
 
 function shapeLink(i, size) {
-  return el("button", {type: "button", class: "shape", "data-shape": i, click: () => pickShape(i), title: "Choose for the geodesic"},
-    size ? thumbnail(i, size, true) : null, el("span", {}, nameOf(i)));
+    return el(
+        'button',
+        {type: 'button', class: 'shape', 'data-shape': i, click: () => pickShape(i), title: 'Choose for the geodesic'},
+        size ? thumbnail(i, size, true) : null, el('span', {}, nameOf(i)));
 }
 
 /// First click: one shape is waiting; second click on another one: the pair is chosen.
 let waiting = null;
 function pickShape(i) {
-  if (waiting === null || waiting === i) {
-    waiting = i;
-    announce(`${nameOf(i)} chosen. Choose the second shape.`);
-    document.getElementById("pick").textContent = `${nameOf(i)} chosen – now choose the second shape.`;
-    pair.listeners.forEach(f => f(i, null));
-    return;
-  }
-  const first = waiting;
-  waiting = null;
-  document.getElementById("pick").textContent = "";
-  choosePair(first, i);
-  bringPair();
+    if (waiting === null || waiting === i) {
+        waiting = i;
+        announce(`${nameOf(i)} chosen. Choose the second shape.`);
+        document.getElementById('pick').textContent = `${nameOf(i)} chosen – now choose the second shape.`;
+        pair.listeners.forEach(f => f(i, null));
+        return;
+    }
+    const first = waiting;
+    waiting = null;
+    document.getElementById('pick').textContent = '';
+    choosePair(first, i);
+    bringPair();
 }
 /// On narrow screens the panel of the pair is not beside the charts: go there.
 function bringPair() {
-  if (matchMedia("(max-width: 1099px)").matches) document.getElementById("pair").scrollIntoView({block: "start"});
+    if (matchMedia('(max-width: 1099px)').matches) document.getElementById('pair').scrollIntoView({block: 'start'});
 }
 
 function summarySection() {
-  const tiles = [[data.shapes.length, data.dimension === 3 ? "surfaces" : "shapes"], [`${data.pairs_done} / ${data.pairs_total}`, "pairs computed"],
-    [duration(data.seconds), "wall clock"], [duration(data.cpu_seconds), "sum over the pairs"], [data.failures.length, data.failures.length === 1 ? "failure" : "failures"]]
-    .filter(t => t[0] !== "–");
-  const best = data.classes.find(c => known(c.nearest_neighbour));
-  if (best) tiles.push([percent(best.nearest_neighbour), "nearest neighbour of the same class"]);
-  const facts = [["collection", data.collection], ["preset", data.preset], ["created", data.created], ["unit of the distances", data.distance_unit]].filter(f => f[1]);
-  return section("summary", "Summary", el("ul", {class: "tiles"}, tiles.map(([v, what]) => el("li", {}, el("strong", {}, v), el("span", {}, what)))),
-    el("dl", {class: "facts"}, facts.map(([k, v]) => el("div", {}, el("dt", {}, k), el("dd", {}, shown(v))))),
-    data.failures.length ? table(`What failed (${data.failures.length})`, ["file or pair", "reason and what to do"],
-      data.failures.map(f => [shown(f.a) + (f.b ? " – " + shown(f.b) : ""), shown(f.reason)])) : null);
+    const tiles = [
+        [data.shapes.length, data.dimension === 3 ? 'surfaces' : 'shapes'],
+        [`${data.pairs_done} / ${data.pairs_total}`, 'pairs computed'], [duration(data.seconds), 'wall clock'],
+        [duration(data.cpu_seconds), 'sum over the pairs'],
+        [data.failures.length, data.failures.length === 1 ? 'failure' : 'failures']
+    ].filter(t => t[0] !== '–');
+    const best = data.classes.find(c => known(c.nearest_neighbour));
+    if (best) tiles.push([percent(best.nearest_neighbour), 'nearest neighbour of the same class']);
+    const facts = [
+        ['collection', data.collection], ['preset', data.preset], ['created', data.created],
+        ['unit of the distances', data.distance_unit]
+    ].filter(f => f[1]);
+    return section(
+        'summary', 'Summary',
+        el('ul', {class: 'tiles'}, tiles.map(([v, what]) => el('li', {}, el('strong', {}, v), el('span', {}, what)))),
+        el('dl', {class: 'facts'}, facts.map(([k, v]) => el('div', {}, el('dt', {}, k), el('dd', {}, shown(v))))),
+        data.failures.length ?
+            table(
+                `What failed (${data.failures.length})`, ['file or pair', 'reason and what to do'],
+                data.failures.map(f => [shown(f.a) + (f.b ? ' – ' + shown(f.b) : ''), shown(f.reason)])) :
+            null);
 }
 
 function matrixSection() {
-  if (count < 2) return null;
-  const orders = data.linkages.map((t, k) => [`tree${k}`, `${t.method} linkage, leaf order`]);
-  if (labels.length) orders.push(["label", "class"]);
-  if (clusters) orders.push(["cluster", "cluster"]);
-  orders.push(["name", "name"]);
-  const box = chartBox("matrix-chart", {tabindex: "0", role: "group", "aria-label": "Distance matrix. Arrow keys move, Enter chooses the pair."});
-  const chooser = el("select", {id: "matrix-order", change: drawMatrix}, orders.map(([v, t]) => el("option", {value: v}, t)));
-  const tip = el("div", {id: "tip", class: "tip", hidden: true});
-  function orderNow() {
-    const all = [...Array(count).keys()], by = f => all.sort((i, j) => { const x = f(i), y = f(j); return x < y ? -1 : x > y ? 1 : nameOf(i) < nameOf(j) ? -1 : 1; });
-    const value = chooser.value;
-    if (value.startsWith("tree")) { const tree = data.linkages[Number(value.slice(4))]; return [tree.leaf_order, tree.merges.length ? tree : null]; }
-    if (value === "label") return [by(i => data.shapes[i].label || "\uffff"), null];
-    if (value === "cluster") return [by(i => clusters[i]), null];
-    return [by(nameOf), null];
-  }
-  let cursor = null, order = [], view = null;
-  function tell(r, c, event) {
-    const i = order[r], j = order[c];
-    tip.replaceChildren(el("div", {class: "tip-pictures"}, thumbnail(i, 72, true), thumbnail(j, 72, true)),
-      el("div", {}, nameOf(i)), i === j ? "" : el("div", {}, nameOf(j)), el("strong", {}, i === j ? "the shape itself" : withError(i, j)));
-    tip.hidden = false;
-    const where = box.getBoundingClientRect();
-    tip.style.left = Math.min(event.clientX - where.left + 16, Math.max(0, where.width - 190)) + "px";
-    tip.style.top = event.clientY - where.top + 16 + "px";
-  }
-  async function drawMatrix() {
-    let tree;
-    [order, tree] = orderNow();
-    view = await draw(box, heatMapSpec(order, tree, box.clientWidth || 600, count <= 14),
-      `Heat map of the ${count} by ${count} distances in the order: ${chooser.selectedOptions[0].textContent}. ` + "The distances are in the tables of neighbours and in distances.csv.");
-    box.append(tip);
-    let mouse = {clientX: 0, clientY: 0};
-    box.onmousemove = e => { mouse = e; };
-    box.onmouseleave = () => { tip.hidden = true; };
-    view.addSignalListener("hover", (_, h) => { if (h) setTimeout(() => tell(h.y, h.x, mouse)); else tip.hidden = true; });
-    view.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) { waiting = null; choosePair(order[h.y], order[h.x]); bringPair(); } });
-    mark(pair.a, pair.b);
-  }
-  function mark(a, b) {
-    if (!view || b === null) return;
-    cursor = {x: order.indexOf(b), y: order.indexOf(a)};
-    view.signal("chosen", cursor).runAsync();
-  }
-  box.addEventListener("keydown", e => {
-    const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
-    if (step && cursor) {
-      e.preventDefault();
-      const to = v => Math.max(0, Math.min(count - 1, v));
-      cursor = {x: to(cursor.x + step[0]), y: to(cursor.y + step[1])};
-      view.signal("chosen", cursor).runAsync();
-      announce(`${nameOf(order[cursor.y])} and ${nameOf(order[cursor.x])}: ${cursor.x === cursor.y ? "the shape itself" : withError(order[cursor.y], order[cursor.x])}`);
-    } else if (e.key === "Enter" && cursor && cursor.x !== cursor.y) choosePair(order[cursor.y], order[cursor.x]);
-  });
-  pair.listeners.push(mark);
-  redraws.push(drawMatrix);
-  const coph = data.linkages.filter(t => known(t.cophenetic_correlation)).map(t => `${t.method} ${num(t.cophenetic_correlation)}`);
-  return section("matrix", "Distance matrix", el("div", {class: "fields"}, el("label", {class: "field"}, "Order", chooser)), box,
-    el("p", {class: "hint"}, "Dark is near. Grey cells have no trustworthy distance. The strips along the sides show " + (byClass ? "the classes" : "the clusters") + "." +
-      (coph.length ? ` Cophenetic correlation: ${coph.join(", ")}.` : "")), clusterTable());
+    if (count < 2) return null;
+    const orders = data.linkages.map((t, k) => [`tree${k}`, `${t.method} linkage, leaf order`]);
+    if (labels.length) orders.push(['label', 'class']);
+    if (clusters) orders.push(['cluster', 'cluster']);
+    orders.push(['name', 'name']);
+    const box = chartBox(
+        'matrix-chart',
+        {tabindex: '0', role: 'group', 'aria-label': 'Distance matrix. Arrow keys move, Enter chooses the pair.'});
+    const chooser =
+        el('select', {id: 'matrix-order', change: drawMatrix}, orders.map(([v, t]) => el('option', {value: v}, t)));
+    const tip = el('div', {id: 'tip', class: 'tip', hidden: true});
+    function orderNow() {
+        const all = [...Array(count).keys()], by = f => all.sort((i, j) => {
+            const x = f(i), y = f(j);
+            return x < y ? -1 : x > y ? 1 : nameOf(i) < nameOf(j) ? -1 : 1;
+        });
+        const value = chooser.value;
+        if (value.startsWith('tree')) {
+            const tree = data.linkages[Number(value.slice(4))];
+            return [tree.leaf_order, tree.merges.length ? tree : null];
+        }
+        if (value === 'label') return [by(i => data.shapes[i].label || '\uffff'), null];
+        if (value === 'cluster') return [by(i => clusters[i]), null];
+        return [by(nameOf), null];
+    }
+    let cursor = null, order = [], view = null;
+    function tell(r, c, event) {
+        const i = order[r], j = order[c];
+        tip.replaceChildren(
+            el('div', {class: 'tip-pictures'}, thumbnail(i, 72, true), thumbnail(j, 72, true)),
+            el('div', {}, nameOf(i)), i === j ? '' : el('div', {}, nameOf(j)),
+            el('strong', {}, i === j ? 'the shape itself' : withError(i, j)));
+        tip.hidden = false;
+        const where = box.getBoundingClientRect();
+        tip.style.left = Math.min(event.clientX - where.left + 16, Math.max(0, where.width - 190)) + 'px';
+        tip.style.top = event.clientY - where.top + 16 + 'px';
+    }
+    async function drawMatrix() {
+        let tree;
+        [order, tree] = orderNow();
+        view = await draw(
+            box, heatMapSpec(order, tree, box.clientWidth || 600, count <= 14),
+            `Heat map of the ${count} by ${count} distances in the order: ${chooser.selectedOptions[0].textContent}. ` +
+                'The distances are in the tables of neighbours and in distances.csv.');
+        box.append(tip);
+        let mouse = {clientX: 0, clientY: 0};
+        box.onmousemove = e => {
+            mouse = e;
+        };
+        box.onmouseleave = () => {
+            tip.hidden = true;
+        };
+        view.addSignalListener('hover', (_, h) => {
+            if (h)
+                setTimeout(() => tell(h.y, h.x, mouse));
+            else
+                tip.hidden = true;
+        });
+        view.addSignalListener('choice', (_, h) => {
+            if (h && h.x !== h.y) {
+                waiting = null;
+                choosePair(order[h.y], order[h.x]);
+                bringPair();
+            }
+        });
+        mark(pair.a, pair.b);
+    }
+    function mark(a, b) {
+        if (!view || b === null) return;
+        cursor = {x: order.indexOf(b), y: order.indexOf(a)};
+        view.signal('chosen', cursor).runAsync();
+    }
+    box.addEventListener('keydown', e => {
+        const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
+        if (step && cursor) {
+            e.preventDefault();
+            const to = v => Math.max(0, Math.min(count - 1, v));
+            cursor = {x: to(cursor.x + step[0]), y: to(cursor.y + step[1])};
+            view.signal('chosen', cursor).runAsync();
+            announce(`${nameOf(order[cursor.y])} and ${nameOf(order[cursor.x])}: ${
+                cursor.x === cursor.y ? 'the shape itself' : withError(order[cursor.y], order[cursor.x])}`);
+        } else if (e.key === 'Enter' && cursor && cursor.x !== cursor.y)
+            choosePair(order[cursor.y], order[cursor.x]);
+    });
+    pair.listeners.push(mark);
+    redraws.push(drawMatrix);
+    const coph = data.linkages.filter(t => known(t.cophenetic_correlation))
+                     .map(t => `${t.method} ${num(t.cophenetic_correlation)}`);
+    return section(
+        'matrix', 'Distance matrix', el('div', {class: 'fields'}, el('label', {class: 'field'}, 'Order', chooser)), box,
+        el('p', {class: 'hint'},
+           'Dark is near. Grey cells have no trustworthy distance. The strips along the sides show ' +
+               (byClass ? 'the classes' : 'the clusters') + '.' +
+               (coph.length ? ` Cophenetic correlation: ${coph.join(', ')}.` : '')),
+        clusterTable());
 }
 
 function clusterTable() {
-  if (!clusters) return null;
-  const c = data.clusterings[0], numbers = [...new Set(clusters)].sort((x, y) => x - y);
-  const stability = new Map(data.trust.stability.map(s => [s.cluster, s.jaccard]));
-  return el("details", {open: count <= 60}, el("summary", {}, `${plural(numbers.length, "cluster")}: ${shown(c.method)}, ${shown(c.cut)}`),
-    table("Clusters" + (known(c.silhouette) ? `, mean silhouette ${num(c.silhouette)}` : ""), ["cluster", "#size", "stands for it", "members", "#stability"],
-      numbers.map(k => {
-        const members = [...Array(count).keys()].filter(i => clusters[i] === k);
-        return [k + 1, members.length, c.medoids.length ? shapeLink(c.medoids[k], 40) : "–",
-          members.slice(0, 12).map(i => nameOf(i)).join(", ") + (members.length > 12 ? ` and ${members.length - 12} more` : ""), num(stability.get(k))];
-      })));
+    if (!clusters) return null;
+    const c = data.clusterings[0], numbers = [...new Set(clusters)].sort((x, y) => x - y);
+    const stability = new Map(data.trust.stability.map(s => [s.cluster, s.jaccard]));
+    return el(
+        'details', {open: count <= 60},
+        el('summary', {}, `${plural(numbers.length, 'cluster')}: ${shown(c.method)}, ${shown(c.cut)}`),
+        table(
+            'Clusters' + (known(c.silhouette) ? `, mean silhouette ${num(c.silhouette)}` : ''),
+            ['cluster', '#size', 'stands for it', 'members', '#stability'], numbers.map(k => {
+                const members = [...Array(count).keys()].filter(i => clusters[i] === k);
+                return [
+                    k + 1, members.length, c.medoids.length ? shapeLink(c.medoids[k], 40) : '–',
+                    members.slice(0, 12).map(i => nameOf(i)).join(', ') +
+                        (members.length > 12 ? ` and ${members.length - 12} more` : ''),
+                    num(stability.get(k))
+                ];
+            })));
 }
 
 function embeddingSection() {
-  if (!data.embeddings.length) return null;
-  const box = chartBox("embedding-chart"), chooser = el("select", {id: "embedding-which", change: redraw},
-    data.embeddings.map((e, k) => el("option", {value: k}, `${e.dimension}D, ${e.method}`)));
-  const graphs = [["none", "no edges", []]];
-  if (data.spanning_tree.length) graphs.push(["tree", "minimum spanning tree", data.spanning_tree]);
-  if (data.neighbour_graph.length) graphs.push(["near", `${data.graph_neighbours} nearest neighbours`, data.neighbour_graph]);
-  const edges = el("select", {id: "embedding-edges", change: redraw}, graphs.map(([v, t], k) => el("option", {value: v, selected: k === 1 && count <= 150}, t)));
-  const pictures = el("input", {type: "checkbox", id: "embedding-pictures", checked: count <= 300, change: redraw});
-  const size = el("input", {type: "range", min: 10, max: 72, value: Math.round(Math.max(16, Math.min(44, 260 / Math.sqrt(count)))), "aria-label": "Size of the pictures",
-    input: () => { if (box.chart) box.chart.signal("picture", Number(size.value)).runAsync(); }});
-  const turn = axis => el("input", {type: "range", min: -3.1, max: 3.1, step: 0.05, value: axis === "yaw" ? 0.6 : 0.35, "aria-label": axis === "yaw" ? "Turn left and right" : "Turn up and down",
-    input: e => { if (box.chart) box.chart.signal(axis, Number(e.target.value) / (axis === "yaw" ? 1 : 2)).runAsync(); }});
-  const turns = el("span", {class: "field"}, "Turn", turn("yaw"), turn("pitch")), facts = el("p", {class: "hint"});
-  async function redraw() {
-    const e = data.embeddings[Number(chooser.value)];
-    turns.hidden = e.dimension !== 3;
-    facts.textContent = `${e.method} in ${e.dimension} dimensions` + (known(e.stress) ? `, stress ${num(e.stress)}` : "") + "." + (e.dimension === 3 ? " Drag to turn." : "");
-    const view = await draw(box, embeddingSpec(e, graphs.find(g => g[0] === edges.value)[2], Math.min(900, (box.clientWidth || 600) - 76),
-      {pictures: pictures.checked, picture: Number(size.value), labels: false}),
-      `Map of the ${count} shapes in ${e.dimension} dimensions; near in the picture means near in shape space. The nearest neighbours are in the table below.`);
-    view.addSignalListener("pick", (_, p) => { if (p) pickShape(p.i); });
-    view.addSignalListener("over", (_, i) => { facts.textContent = i === null ? "" : `${nameOf(i)}${data.shapes[i].label ? ", class " + shown(data.shapes[i].label) : ""}`; });
-    view.signal("first", pair.a).signal("second", pair.b).runAsync();
-  }
-  pair.listeners.push((a, b) => { if (box.chart) box.chart.signal("first", a).signal("second", b).runAsync(); });
-  redraws.push(redraw);
-  return section("embedding", "Map of the shapes", el("div", {class: "fields"}, el("label", {class: "field"}, "View", chooser), el("label", {class: "field"}, "Edges", edges),
-    el("label", {class: "field"}, pictures, "Pictures"), el("label", {class: "field"}, "Size", size), turns), box, facts,
-    el("p", {id: "pick", class: "pick"}));
+    if (!data.embeddings.length) return null;
+    const box = chartBox('embedding-chart'),
+          chooser =
+              el('select', {id: 'embedding-which', change: redraw},
+                 data.embeddings.map((e, k) => el('option', {value: k}, `${e.dimension}D, ${e.method}`)));
+    const graphs = [['none', 'no edges', []]];
+    if (data.spanning_tree.length) graphs.push(['tree', 'minimum spanning tree', data.spanning_tree]);
+    if (data.neighbour_graph.length)
+        graphs.push(['near', `${data.graph_neighbours} nearest neighbours`, data.neighbour_graph]);
+    const edges =
+        el('select', {id: 'embedding-edges', change: redraw},
+           graphs.map(([v, t], k) => el('option', {value: v, selected: k === 1 && count <= 150}, t)));
+    const pictures = el('input', {type: 'checkbox', id: 'embedding-pictures', checked: count <= 300, change: redraw});
+    const size = el('input', {
+        type: 'range',
+        min: 10,
+        max: 72,
+        value: Math.round(Math.max(16, Math.min(44, 260 / Math.sqrt(count)))),
+        'aria-label': 'Size of the pictures',
+        input: () => {
+            if (box.chart) box.chart.signal('picture', Number(size.value)).runAsync();
+        }
+    });
+    const turn = axis => el('input', {
+        type: 'range',
+        min: -3.1,
+        max: 3.1,
+        step: 0.05,
+        value: axis === 'yaw' ? 0.6 : 0.35,
+        'aria-label': axis === 'yaw' ? 'Turn left and right' : 'Turn up and down',
+        input: e => {
+            if (box.chart) box.chart.signal(axis, Number(e.target.value) / (axis === 'yaw' ? 1 : 2)).runAsync();
+        }
+    });
+    const turns = el('span', {class: 'field'}, 'Turn', turn('yaw'), turn('pitch')), facts = el('p', {class: 'hint'});
+    async function redraw() {
+        const e = data.embeddings[Number(chooser.value)];
+        turns.hidden = e.dimension !== 3;
+        facts.textContent = `${e.method} in ${e.dimension} dimensions` +
+            (known(e.stress) ? `, stress ${num(e.stress)}` : '') + '.' + (e.dimension === 3 ? ' Drag to turn.' : '');
+        const view = await draw(
+            box,
+            embeddingSpec(
+                e, graphs.find(g => g[0] === edges.value)[2], Math.min(900, (box.clientWidth || 600) - 76),
+                {pictures: pictures.checked, picture: Number(size.value), labels: false}),
+            `Map of the ${count} shapes in ${
+                e.dimension} dimensions; near in the picture means near in shape space. The nearest neighbours are in the table below.`);
+        view.addSignalListener('pick', (_, p) => {
+            if (p) pickShape(p.i);
+        });
+        view.addSignalListener('over', (_, i) => {
+            facts.textContent =
+                i === null ? '' : `${nameOf(i)}${data.shapes[i].label ? ', class ' + shown(data.shapes[i].label) : ''}`;
+        });
+        view.signal('first', pair.a).signal('second', pair.b).runAsync();
+    }
+    pair.listeners.push((a, b) => {
+        if (box.chart) box.chart.signal('first', a).signal('second', b).runAsync();
+    });
+    redraws.push(redraw);
+    return section(
+        'embedding', 'Map of the shapes',
+        el('div', {class: 'fields'}, el('label', {class: 'field'}, 'View', chooser),
+           el('label', {class: 'field'}, 'Edges', edges), el('label', {class: 'field'}, pictures, 'Pictures'),
+           el('label', {class: 'field'}, 'Size', size), turns),
+        box, facts, el('p', {id: 'pick', class: 'pick'}));
 }
 
 /// Small studies: the shapes as a labelled graph and a matrix with pictures and numbers, like Fig. 9 of the paper.
 function glanceSection() {
-  const flat = data.embeddings.find(e => e.dimension === 2);
-  if (count < 3 || count > 12 || !flat) return null;
-  const graph = chartBox("glance-graph"), matrix = chartBox("glance-matrix");
-  const order = data.linkages.length ? data.linkages[0].leaf_order : [...Array(count).keys()];
-  const edges = data.neighbour_graph.length ? data.neighbour_graph : data.spanning_tree;
-  redraws.push(async () => {
-    const view = await draw(graph, embeddingSpec(flat, edges, Math.min(620, (graph.clientWidth || 400) - 16), {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
-      "Graph of the shapes; each edge carries the geodesic distance of its ends. All distances are in the matrix beside it.");
-    view.addSignalListener("pick", (_, p) => { if (p) pickShape(p.i); });
-    await draw(matrix, heatMapSpec(order, null, matrix.clientWidth || 400, true), "Matrix of all distances with pictures and numbers.");
-    matrix.chart.addSignalListener("choice", (_, h) => { if (h && h.x !== h.y) { choosePair(order[h.y], order[h.x]); bringPair(); } });
-  });
-  return section("glance", "All shapes at a glance", el("div", {class: "glance"}, graph, matrix),
-    el("details", {}, el("summary", {}, "All distances with their error bars"), table("All distances, with error bars", ["shape"].concat(order.map(shortName)), order.map(i => [nameOf(i)].concat(order.map(j => i === j ? "0" : withError(i, j)))))));
+    const flat = data.embeddings.find(e => e.dimension === 2);
+    if (count < 3 || count > 12 || !flat) return null;
+    const graph = chartBox('glance-graph'), matrix = chartBox('glance-matrix');
+    const order = data.linkages.length ? data.linkages[0].leaf_order : [...Array(count).keys()];
+    const edges = data.neighbour_graph.length ? data.neighbour_graph : data.spanning_tree;
+    redraws.push(async () => {
+        const view = await draw(
+            graph,
+            embeddingSpec(
+                flat, edges, Math.min(620, (graph.clientWidth || 400) - 16),
+                {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
+            'Graph of the shapes; each edge carries the geodesic distance of its ends. All distances are in the matrix beside it.');
+        view.addSignalListener('pick', (_, p) => {
+            if (p) pickShape(p.i);
+        });
+        await draw(
+            matrix, heatMapSpec(order, null, matrix.clientWidth || 400, true),
+            'Matrix of all distances with pictures and numbers.');
+        matrix.chart.addSignalListener('choice', (_, h) => {
+            if (h && h.x !== h.y) {
+                choosePair(order[h.y], order[h.x]);
+                bringPair();
+            }
+        });
+    });
+    return section(
+        'glance', 'All shapes at a glance', el('div', {class: 'glance'}, graph, matrix),
+        el('details', {}, el('summary', {}, 'All distances with their error bars'),
+           table(
+               'All distances, with error bars', ['shape'].concat(order.map(shortName)),
+               order.map(i => [nameOf(i)].concat(order.map(j => i === j ? '0' : withError(i, j)))))));
 }
 
 function neighbourSection() {
-  if (count < 2) return null;
-  const shownRows = el("div"), filter = el("input", {type: "search", id: "neighbour-filter", placeholder: "name or class", input: () => fill(false)});
-  const k = Math.min(6, count - 1);
-  function fill(all) {
-    const wanted = filter.value.toLowerCase();
-    const found = [...Array(count).keys()].filter(i => (nameOf(i) + " " + data.shapes[i].label).toLowerCase().includes(wanted));
-    const rows = all ? found : found.slice(0, 24);
-    shownRows.replaceChildren(table(`The ${k} nearest neighbours` + (rows.length < found.length ? ` (${rows.length} of ${found.length} shapes)` : ""),
-      ["shape", "class", ...Array.from({length: k}, (_, r) => "#" + (r + 1) + ".")], rows.map(i => [shapeLink(i, 44), shown(data.shapes[i].label),
-        ...Array.from({length: k}, (_, r) => { const j = neighboursOf(i)[r]; return j === undefined ? "–" : el("button", {type: "button", click: () => { choosePair(i, j); bringPair(); },
-          class: "near" + (byClass && data.shapes[i].label !== data.shapes[j].label ? " other" : ""),
-          title: `${nameOf(j)}: ${withError(i, j)}`, "aria-label": `${nameOf(j)}, distance ${withError(i, j)}`}, thumbnail(j, 44, true), el("span", {}, num(distance(i, j)))); })]), {class: "neighbours"}),
-      rows.length < found.length ? el("button", {type: "button", class: "quiet", click: () => fill(true)}, `Show all ${found.length}`) : "");
-  }
-  fill(false);
-  return section("neighbours", "Nearest neighbours", el("div", {class: "fields"}, el("label", {class: "field"}, "Filter", filter)),
-    byClass ? el("p", {class: "hint"}, "A dashed frame marks a neighbour of another class.") : null, shownRows);
-}
-
-function classSection() {
-  if (!data.classes.length) return null;
-  const ks = [...new Set(data.classes.flatMap(c => c.k_nearest.map(x => x.k)))].sort((x, y) => x - y);
-  const find = (c, k) => { const hit = c.k_nearest.find(x => x.k === k); return hit ? percent(hit.accuracy) : "–"; };
-  const curve = chartBox("pr-chart"), points = data.classes.flatMap(c => c.precision_recall.map(p => ({x: p.recall, y: p.precision, name: c.name})));
-  if (points.length) redraws.push(() => draw(curve, curveSpec(points, Math.min(440, (curve.clientWidth || 400) - 76), "recall", "precision"),
-    "Precision against recall, mean over all queries; the points are in the table below."));
-  const rows = [["nearest neighbour (1-NN)", c => percent(c.nearest_neighbour)], ...ks.map(k => [`${k} nearest neighbours`, c => find(c, k)]),
-    ["bull's-eye", c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : "")], ["mean average precision", c => num(c.mean_average_precision)],
-    ["adjusted Rand index of the clusters", c => num(c.adjusted_rand)], ["adjusted mutual information", c => num(c.adjusted_mutual_information)],
-    ["PERMANOVA F", c => num(c.permanova_f)], ["PERMANOVA R²", c => num(c.permanova_r2)], ["PERMANOVA p", c => known(c.permanova_p) ? `${num(c.permanova_p)} (${c.permutations} permutations)` : "–"]]
-    .filter(([, f]) => data.classes.some(c => f(c) !== "–"));
-  return section("classes", "Classes", table("How well the distances know the classes", ["measure", ...data.classes.map(c => "#" + c.name)], rows.map(([t, f]) => [t, ...data.classes.map(f)])),
-    points.length ? curve : null,
-    points.length ? el("details", {}, el("summary", {}, "Precision and recall as a table"), table("Precision and recall", ["ranking", "#recall", "#precision"], points.map(p => [p.name, num(p.x), num(p.y)]))) : null,
-    data.classes.map(c => c.confusion.length ? confusionTable(c) : null),
-    data.classes[0].class_medoids.length ? el("div", {}, el("h3", {}, "The shape that stands for each class"), el("ul", {class: "gallery"}, data.classes[0].class_medoids.map((i, k) => el("li", {}, thumbnail(i, 72),
-      el("strong", {}, shown(data.classes[0].classes[k] || data.shapes[i].label)), el("span", {}, nameOf(i)))))) : null);
-}
-
-function confusionTable(c) {
-  const made = table(`Confusion matrix (${c.name}): rows are the true classes, columns the class of the nearest neighbour`, ["class", ...c.classes.map(n => "#" + shown(n))],
-    c.confusion.map((row, r) => [shown(c.classes[r]), ...row]), {class: "confusion"});
-  made.querySelectorAll("tbody tr").forEach((tr, r) => {
-    const sum = c.confusion[r].reduce((s, v) => s + v, 0) || 1;
-    tr.querySelectorAll("td").forEach((td, k) => {
-      const share = c.confusion[r][k] / sum;
-      td.style.setProperty("--share", share.toFixed(3));
-      td.classList.add(k === r ? "right" : share > 0 ? "wrong" : "none");
-    });
-  });
-  return el("details", {open: c.classes.length <= 15}, el("summary", {}, `Confusion matrix: ${shown(c.name)}`), made);
-}
-
-function trustSection() {
-  const t = data.trust, flat = data.embeddings[0], verdicts = [];
-  if (t.triangles_checked) verdicts.push(`${plural(t.triangles_violated, "triangle")} of ${t.triangles_checked} violate the triangle inequality; ` +
-    (t.triangles_beyond_error ? `${t.triangles_beyond_error} of them by more than the error bars explain.` : "the error bars explain all of them."));
-  if (known(t.median_asymmetry)) verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${percent(t.max_asymmetry)} at most.`);
-  verdicts.push(t.not_converged.length ? `${plural(t.not_converged.length, "pair")} did not converge.` : "Every computed pair converged.");
-  if (t.perturbations) verdicts.push(`With distances moved within their error bars (${t.perturbations} runs, seed ${t.seed}) the clusters agree with those shown: adjusted Rand index ${num(t.stability_rand)}.`);
-  t.close_clusters.forEach(c => verdicts.push(`Clusters ${c.first + 1} and ${c.second + 1} lie ${num(c.gap)} apart, which is less than the error ${num(c.error)}: do not tell them apart.`));
-  const shepard = chartBox("shepard-chart"), which = data.embeddings.length ? el("select", {change: drawShepard}, data.embeddings.map((e, k) => el("option", {value: k}, `${e.dimension}D, ${e.method}`))) : null;
-  function drawShepard() {
-    const e = data.embeddings[Number(which.value)], d = e.dimension, points = [], fitted = [];
-    const stride = Math.max(1, Math.floor(count * (count - 1) / 2 / 2500));
-    let k = 0;
-    for (let i = 0; i < count; ++i) for (let j = i + 1; j < count; ++j, ++k) {
-      if (k % stride || !known(distance(i, j))) continue;
-      let s = 0;
-      for (let a = 0; a < d; ++a) s += (e.coordinates[i * d + a] - e.coordinates[j * d + a]) ** 2;
-      points.push({x: distance(i, j), y: Math.sqrt(s)});
-      if (e.disparities.length && known(e.disparities[k])) fitted.push({x: distance(i, j), y: e.disparities[k]});
+    if (count < 2) return null;
+    const shownRows = el('div'),
+          filter =
+              el('input',
+                 {type: 'search', id: 'neighbour-filter', placeholder: 'name or class', input: () => fill(false)});
+    const k = Math.min(6, count - 1);
+    function fill(all) {
+        const wanted = filter.value.toLowerCase();
+        const found = [...Array(count).keys()].filter(
+            i => (nameOf(i) + ' ' + data.shapes[i].label).toLowerCase().includes(wanted));
+        const rows = all ? found : found.slice(0, 24);
+        shownRows.replaceChildren(
+            table(
+                `The ${k} nearest neighbours` +
+                    (rows.length < found.length ? ` (${rows.length} of ${found.length} shapes)` : ''),
+                ['shape', 'class', ...Array.from({length: k}, (_, r) => '#' + (r + 1) + '.')],
+                rows.map(
+                    i =>
+                        [shapeLink(i, 44), shown(data.shapes[i].label),
+                         ...Array.from(
+                             {length: k},
+                             (_, r) => {
+                                 const j = neighboursOf(i)[r];
+                                 return j === undefined ?
+                                     '–' :
+                                     el('button', {
+                                         type: 'button',
+                                         click: () => {
+                                             choosePair(i, j);
+                                             bringPair();
+                                         },
+                                         class: 'near' +
+                                             (byClass && data.shapes[i].label !== data.shapes[j].label ? ' other' : ''),
+                                         title: `${nameOf(j)}: ${withError(i, j)}`,
+                                         'aria-label': `${nameOf(j)}, distance ${withError(i, j)}`
+                                     },
+                                        thumbnail(j, 44, true), el('span', {}, num(distance(i, j))));
+                             })]),
+                {class: 'neighbours'}),
+            rows.length < found.length ?
+                el('button', {type: 'button', class: 'quiet', click: () => fill(true)}, `Show all ${found.length}`) :
+                '');
     }
-    fitted.sort((p, q) => p.x - q.x);
-    return draw(shepard, scatterSpec(points, Math.min(420, (shepard.clientWidth || 360) - 76), "geodesic distance", "distance in the map", fitted.length ? fitted : null),
-      "Shepard diagram: distances in the map against geodesic distances; on the dashed line the map is exact.");
-  }
-  const silhouette = chartBox("silhouette-chart");
-  if (t.silhouettes.length) redraws.push(() => {
-    const order = [...Array(count).keys()].filter(i => known(t.silhouettes[i])).sort((i, j) => clusters && clusters[i] !== clusters[j] ? clusters[i] - clusters[j] : t.silhouettes[j] - t.silhouettes[i]);
-    return draw(silhouette, barSpec(order.map((i, k) => ({k, value: t.silhouettes[i], name: shortName(i), group: groupOf(i)})), Math.min(460, silhouette.clientWidth || 400), "silhouette", true, true),
-      "Silhouette of every shape, by cluster: near 1 it sits well, below 0 it would fit another cluster better. The numbers are in the table of shapes.");
-  });
-  if (flat) redraws.push(drawShepard);
-  return section("trust", "How far to trust this", remarks(verdicts.concat(t.remarks), "verdicts"),
-    el("div", {class: "two"}, flat ? el("div", {}, el("h3", {}, "Does the map tell the truth?"), el("label", {class: "field"}, "Map", which), shepard) : null,
-      t.silhouettes.length ? el("div", {}, el("h3", {}, "Do the shapes sit in their clusters?"), silhouette) : null),
-    t.worst_triangles.length ? el("details", {}, el("summary", {}, "Worst triangles"), table("Triangles that violate the inequality most", ["from", "via", "to", "#excess", "#error"],
-      t.worst_triangles.map(v => [nameOf(v.a), nameOf(v.via), nameOf(v.b), num(v.excess), num(v.error)]))) : null,
-    t.asymmetries.length ? el("details", {}, el("summary", {}, "Asymmetry"), table("Pairs computed both ways", ["from", "to", "#forward", "#backward"], t.asymmetries.map(v => [nameOf(v.a), nameOf(v.b), num(v.forward, 4), num(v.backward, 4)]))) : null,
-    t.not_converged.length ? el("details", {open: t.not_converged.length <= 10}, el("summary", {}, "Pairs that did not converge"), table("Pairs that did not converge", ["from", "to", "remark"],
-      t.not_converged.map(p => [el("button", {type: "button", class: "shape", click: () => choosePair(p.a, p.b)}, nameOf(p.a)), nameOf(p.b), shown(p.remark)]))) : null, shapeTable());
-}
-
-function shapeTable() {
-  const stress = data.embeddings.length ? data.embeddings[0].stress_per_shape : [], silhouettes = data.trust.silhouettes;
-  return el("details", {}, el("summary", {}, `All ${count} shapes`), table("All shapes", ["shape", "class", "#cluster", data.dimension === 3 ? "#volume" : "#area", "#silhouette", "#share of the stress", "notes"],
-    data.shapes.map((s, i) => [nameOf(i), shown(s.label), clusterOf(i) || "–", num(s.volume), num(silhouettes[i], 2), percent(stress[i]), s.notes.map(shown).join(" ")])));
-}
-
-function volumeSection() {
-  const v = data.volumes;
-  if (!v) return null;
-  const word = data.dimension === 3 ? "volume" : "area", left = chartBox("by-distance"), right = chartBox("by-volume");
-  redraws.push(async () => {
-    if (data.linkages.length) await draw(left, dendrogramSpec(data.linkages[0], Math.min(520, left.clientWidth || 400), "By geodesic distance"), "Dendrogram by geodesic distance.");
-    await draw(right, dendrogramSpec(v.tree, Math.min(520, right.clientWidth || 400), `By ${word}`), `Dendrogram by difference of ${word}.`);
-  });
-  return section("volumes", `More than ${word}?`, el("p", {}, `Rank correlation between geodesic distance and difference of ${word}: ${num(v.rank_correlation)}; agreement of the clusters (adjusted Rand index): ${num(v.adjusted_rand)}.`),
-    el("div", {class: "two"}, left, right), el("details", {open: count <= 30}, el("summary", {}, "Clusters as a table"), table(`Clusters by distance and by ${word}`, ["shape", `#${word}`, "#by distance", `#by ${word}`],
-      data.shapes.map((s, i) => [nameOf(i), num(s.volume), clusterOf(i) || "–", v.assignment[i] + 1]))));
-}
-
-function compareSection() {
-  const c = data.compare;
-  if (!c) return null;
-  const box = chartBox("compare-chart");
-  if (c.distances.length) redraws.push(() => draw(box, scatterSpec(c.distances.filter(d => known(d[0]) && known(d[1])).map(d => ({x: d[0], y: d[1]})), Math.min(440, (box.clientWidth || 400) - 76), "distance here", `distance in ${shown(c.other)}`),
-    "Distances of the common pairs in both studies; on the dashed line they are equal."));
-  return section("compare", `Compared with ${shown(c.other)}`, el("p", {}, `${c.common_shapes} shapes and ${c.common_pairs} pairs in common. Rank correlation of the distances: Spearman ${num(c.spearman)}, Kendall ${num(c.kendall)}; Pearson ${num(c.pearson)}. ` +
-    (c.neighbours ? `Of the ${c.neighbours} nearest neighbours ${percent(c.mean_overlap)} are the same.` : "")), c.distances.length ? box : null,
-    c.moved.length ? table("Shapes whose nearest neighbour moved", ["shape", "nearest here", "nearest there", "#common neighbours"], c.moved.map(m => [shown(m.shape), shown(m.here), shown(m.there), percent(m.overlap)])) : null,
-    c.different_settings.length ? table("Settings that differ (here | there)", ["setting", "values", "meaning"], c.different_settings.map(s => [shown(s.name), shown(s.value), shown(s.description)])) : null);
-}
-
-/// Only files beside the report are linked; anything with a scheme or an absolute path is shown as text.
-const relative = href => !/^[a-z][a-z0-9+.-]*:/i.test(href) && !/^[\\/]/.test(href);
-
-function repeatSection() {
-  return section("repeat", "Files, settings, versions",
-    data.links.length ? el("ul", {class: "links"}, data.links.map(l => el("li", {}, relative(l.href) ? el("a", {href: l.href.split("/").map(encodeURIComponent).join("/")}, shown(l.title || l.href)) : shown(l.title || l.href),
-      l.description ? " – " + shown(l.description) : ""))) : null,
-    data.command ? el("div", {}, el("p", {}, "This command repeats the study:"), el("pre", {tabindex: "0"}, el("code", {}, data.command)), copyButton(data.command)) : null,
-    el("div", {class: "two"}, data.settings.length ? table("Settings", ["name", "value", "meaning"], data.settings.map(s => [shown(s.name), shown(s.value), shown(s.description)])) : null,
-      data.versions.length ? table("Versions", ["component", "version", ""], data.versions.map(s => [shown(s.name), shown(s.value), shown(s.description)])) : null));
+    fill(false);
+    return section(
+        'neighbours', 'Nearest neighbours',
+        el('div', {class: 'fields'}, el('label', {class: 'field'}, 'Filter', filter)),
+        byClass ? el('p', {class: 'hint'}, 'A dashed frame marks a neighbour of another class.') : null, shownRows);
 }

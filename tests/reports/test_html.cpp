@@ -105,6 +105,19 @@ TEST(ReportHtml, FiveHundredShapesStayBelowTwentyMegabytes) {
     EXPECT_EQ(data["paths"][0]["b"], model.paths[0].b);
 }
 
+TEST(ReportHtml, TwoThousandShapesStayBelowTwentyMegabytes) {
+    ReportModel model;
+    const auto thumbnail = tests::synthetic_model({.shapes = 1, .classes = 1, .paths = 0}).shapes[0];
+    model.shapes.assign(2000, thumbnail);
+    model.distances.assign(2000 * 1999 / 2, 0.123456789);
+    model.errors.assign(model.distances.size(), 0.00123456789);
+    const std::string html = render_html(model);
+    EXPECT_LT(html.size(), size_limit);
+    const auto data = page_data(html);
+    EXPECT_EQ(data["errors_left_out"], true);
+    EXPECT_EQ(data["distances"][0], 0.1235);
+}
+
 TEST(ReportHtml, OddStudiesAreRendered) {
     EXPECT_NO_THROW((void)render_html(ReportModel{}));
     auto one = tests::synthetic_model({.shapes = 1, .classes = 1, .paths = 0});

@@ -252,7 +252,7 @@ TEST_F(Page, LightAndDark) {
 
 /// Nothing wider than its place, which would move clicks away from what is seen.
 TEST_F(Page, FitsPhonesAndScreens) {
-    for (const int width : {360, 800, 1400}) {
+    for (const int width : {360, 1400}) {
         browser_->devtools("Emulation.setDeviceMetricsOverride",
                            {{"width", width}, {"height", 844}, {"deviceScaleFactor", 2}, {"mobile", width < 600}});
         for (const int shapes : {12, 40}) {

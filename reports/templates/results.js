@@ -1,0 +1,266 @@
+// ---- the sections that judge: classes, trust, volumes, comparison, and how to repeat the study
+function classSection() {
+    if (!data.classes.length) return null;
+    const ks = [...new Set(data.classes.flatMap(c => c.k_nearest.map(x => x.k)))].sort((x, y) => x - y);
+    const find = (c, k) => {
+        const hit = c.k_nearest.find(x => x.k === k);
+        return hit ? percent(hit.accuracy) : '–';
+    };
+    const curve = chartBox('pr-chart'),
+          points =
+              data.classes.flatMap(c => c.precision_recall.map(p => ({x: p.recall, y: p.precision, name: c.name})));
+    if (points.length)
+        redraws.push(
+            () => draw(
+                curve, curveSpec(points, Math.min(440, (curve.clientWidth || 400) - 76), 'recall', 'precision'),
+                'Precision against recall, mean over all queries; the points are in the table below.'));
+    const rows = [
+        ['nearest neighbour (1-NN)', c => percent(c.nearest_neighbour)],
+        ...ks.map(k => [`${k} nearest neighbours`, c => find(c, k)]),
+        ['bull\'s-eye', c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : '')],
+        ['mean average precision', c => num(c.mean_average_precision)],
+        ['adjusted Rand index of the clusters', c => num(c.adjusted_rand)],
+        ['adjusted mutual information', c => num(c.adjusted_mutual_information)],
+        ['PERMANOVA F', c => num(c.permanova_f)], ['PERMANOVA R²', c => num(c.permanova_r2)],
+        ['PERMANOVA p', c => known(c.permanova_p) ? `${num(c.permanova_p)} (${c.permutations} permutations)` : '–']
+    ].filter(([, f]) => data.classes.some(c => f(c) !== '–'));
+    return section(
+        'classes', 'Classes',
+        table(
+            'How well the distances know the classes', ['measure', ...data.classes.map(c => '#' + c.name)],
+            rows.map(([t, f]) => [t, ...data.classes.map(f)])),
+        points.length ? curve : null,
+        points.length ? el('details', {}, el('summary', {}, 'Precision and recall as a table'),
+                           table(
+                               'Precision and recall', ['ranking', '#recall', '#precision'],
+                               points.map(p => [p.name, num(p.x), num(p.y)]))) :
+                        null,
+        data.classes.map(c => c.confusion.length ? confusionTable(c) : null),
+        data.classes[0].class_medoids.length ?
+            el('div', {}, el('h3', {}, 'The shape that stands for each class'),
+               el('ul', {class: 'gallery'},
+                  data.classes[0].class_medoids.map(
+                      (i, k) =>
+                          el('li', {}, thumbnail(i, 72),
+                             el('strong', {}, shown(data.classes[0].classes[k] || data.shapes[i].label)),
+                             el('span', {}, nameOf(i)))))) :
+            null);
+}
+
+function confusionTable(c) {
+    const made = table(
+        `Confusion matrix (${c.name}): rows are the true classes, columns the class of the nearest neighbour`,
+        ['class', ...c.classes.map(n => '#' + shown(n))], c.confusion.map((row, r) => [shown(c.classes[r]), ...row]),
+        {class: 'confusion'});
+    made.querySelectorAll('tbody tr').forEach((tr, r) => {
+        const sum = c.confusion[r].reduce((s, v) => s + v, 0) || 1;
+        tr.querySelectorAll('td').forEach((td, k) => {
+            const share = c.confusion[r][k] / sum;
+            td.style.setProperty('--share', share.toFixed(3));
+            td.classList.add(k === r ? 'right' : share > 0 ? 'wrong' : 'none');
+        });
+    });
+    return el('details', {open: c.classes.length <= 15}, el('summary', {}, `Confusion matrix: ${shown(c.name)}`), made);
+}
+
+function trustSection() {
+    const t = data.trust, flat = data.embeddings[0], verdicts = [];
+    if (t.triangles_checked)
+        verdicts.push(
+            `${plural(t.triangles_violated, 'triangle')} of ${t.triangles_checked} violate the triangle inequality; ` +
+            (t.triangles_beyond_error ? `${t.triangles_beyond_error} of them by more than the error bars explain.` :
+                                        'the error bars explain all of them.'));
+    if (known(t.median_asymmetry))
+        verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${
+            percent(t.max_asymmetry)} at most.`);
+    verdicts.push(
+        t.not_converged.length ? `${plural(t.not_converged.length, 'pair')} did not converge.` :
+                                 'Every computed pair converged.');
+    if (t.perturbations)
+        verdicts.push(`With distances moved within their error bars (${t.perturbations} runs, seed ${
+            t.seed}) the clusters agree with those shown: adjusted Rand index ${num(t.stability_rand)}.`);
+    t.close_clusters.forEach(
+        c => verdicts.push(`Clusters ${c.first + 1} and ${c.second + 1} lie ${
+            num(c.gap)} apart, which is less than the error ${num(c.error)}: do not tell them apart.`));
+    const shepard = chartBox('shepard-chart'),
+          which = data.embeddings.length ?
+        el('select', {change: drawShepard},
+           data.embeddings.map((e, k) => el('option', {value: k}, `${e.dimension}D, ${e.method}`))) :
+        null;
+    function drawShepard() {
+        const e = data.embeddings[Number(which.value)], d = e.dimension, points = [], fitted = [];
+        const stride = Math.max(1, Math.floor(count * (count - 1) / 2 / 2500));
+        let k = 0;
+        for (let i = 0; i < count; ++i)
+            for (let j = i + 1; j < count; ++j, ++k) {
+                if (k % stride || !known(distance(i, j))) continue;
+                let s = 0;
+                for (let a = 0; a < d; ++a) s += (e.coordinates[i * d + a] - e.coordinates[j * d + a]) ** 2;
+                points.push({x: distance(i, j), y: Math.sqrt(s)});
+                if (e.disparities.length && known(e.disparities[k]))
+                    fitted.push({x: distance(i, j), y: e.disparities[k]});
+            }
+        fitted.sort((p, q) => p.x - q.x);
+        return draw(
+            shepard,
+            scatterSpec(
+                points, Math.min(420, (shepard.clientWidth || 360) - 76), 'geodesic distance', 'distance in the map',
+                fitted.length ? fitted : null),
+            'Shepard diagram: distances in the map against geodesic distances; on the dashed line the map is exact.');
+    }
+    const silhouette = chartBox('silhouette-chart');
+    if (t.silhouettes.length)
+        redraws.push(() => {
+            const order =
+                [...Array(count).keys()]
+                    .filter(i => known(t.silhouettes[i]))
+                    .sort(
+                        (i, j) => clusters && clusters[i] !== clusters[j] ? clusters[i] - clusters[j] :
+                                                                            t.silhouettes[j] - t.silhouettes[i]);
+            return draw(
+                silhouette,
+                barSpec(
+                    order.map((i, k) => ({k, value: t.silhouettes[i], name: shortName(i), group: groupOf(i)})),
+                    Math.min(460, silhouette.clientWidth || 400), 'silhouette', true, true),
+                'Silhouette of every shape, by cluster: near 1 it sits well, below 0 it would fit another cluster better. The numbers are in the table of shapes.');
+        });
+    if (flat) redraws.push(drawShepard);
+    return section(
+        'trust', 'How far to trust this', remarks(verdicts.concat(t.remarks), 'verdicts'),
+        el('div', {class: 'two'},
+           flat ? el('div', {}, el('h3', {}, 'Does the map tell the truth?'),
+                     el('label', {class: 'field'}, 'Map', which), shepard) :
+                  null,
+           t.silhouettes.length ? el('div', {}, el('h3', {}, 'Do the shapes sit in their clusters?'), silhouette) :
+                                  null),
+        t.worst_triangles.length ?
+            el('details', {}, el('summary', {}, 'Worst triangles'),
+               table(
+                   'Triangles that violate the inequality most', ['from', 'via', 'to', '#excess', '#error'],
+                   t.worst_triangles.map(
+                       v => [nameOf(v.a), nameOf(v.via), nameOf(v.b), num(v.excess), num(v.error)]))) :
+            null,
+        t.asymmetries.length ?
+            el('details', {}, el('summary', {}, 'Asymmetry'),
+               table(
+                   'Pairs computed both ways', ['from', 'to', '#forward', '#backward'],
+                   t.asymmetries.map(v => [nameOf(v.a), nameOf(v.b), num(v.forward, 4), num(v.backward, 4)]))) :
+            null,
+        t.not_converged.length ?
+            el('details', {open: t.not_converged.length <= 10}, el('summary', {}, 'Pairs that did not converge'),
+               table(
+                   'Pairs that did not converge', ['from', 'to', 'remark'],
+                   t.not_converged.map(
+                       p =>
+                           [el('button', {type: 'button', class: 'shape', click: () => choosePair(p.a, p.b)},
+                               nameOf(p.a)),
+                            nameOf(p.b), shown(p.remark)]))) :
+            null,
+        shapeTable());
+}
+
+function shapeTable() {
+    const stress = data.embeddings.length ? data.embeddings[0].stress_per_shape : [],
+          silhouettes = data.trust.silhouettes;
+    return el(
+        'details', {}, el('summary', {}, `All ${count} shapes`),
+        table(
+            'All shapes',
+            [
+                'shape', 'class', '#cluster', data.dimension === 3 ? '#volume' : '#area', '#silhouette',
+                '#share of the stress', 'notes'
+            ],
+            data.shapes.map(
+                (s, i) =>
+                    [nameOf(i), shown(s.label), clusterOf(i) || '–', num(s.volume), num(silhouettes[i], 2),
+                     percent(stress[i]), s.notes.map(shown).join(' ')])));
+}
+
+function volumeSection() {
+    const v = data.volumes;
+    if (!v) return null;
+    const word = data.dimension === 3 ? 'volume' : 'area', left = chartBox('by-distance'),
+          right = chartBox('by-volume');
+    redraws.push(async () => {
+        if (data.linkages.length)
+            await draw(
+                left, dendrogramSpec(data.linkages[0], Math.min(520, left.clientWidth || 400), 'By geodesic distance'),
+                'Dendrogram by geodesic distance.');
+        await draw(
+            right, dendrogramSpec(v.tree, Math.min(520, right.clientWidth || 400), `By ${word}`),
+            `Dendrogram by difference of ${word}.`);
+    });
+    return section(
+        'volumes', `More than ${word}?`,
+        el('p', {},
+           `Rank correlation between geodesic distance and difference of ${word}: ${
+               num(v.rank_correlation)}; agreement of the clusters (adjusted Rand index): ${num(v.adjusted_rand)}.`),
+        el('div', {class: 'two'}, left, right),
+        el('details', {open: count <= 30}, el('summary', {}, 'Clusters as a table'),
+           table(
+               `Clusters by distance and by ${word}`, ['shape', `#${word}`, '#by distance', `#by ${word}`],
+               data.shapes.map((s, i) => [nameOf(i), num(s.volume), clusterOf(i) || '–', v.assignment[i] + 1]))));
+}
+
+function compareSection() {
+    const c = data.compare;
+    if (!c) return null;
+    const box = chartBox('compare-chart');
+    if (c.distances.length)
+        redraws.push(
+            () => draw(
+                box,
+                scatterSpec(
+                    c.distances.filter(d => known(d[0]) && known(d[1])).map(d => ({x: d[0], y: d[1]})),
+                    Math.min(440, (box.clientWidth || 400) - 76), 'distance here', `distance in ${shown(c.other)}`),
+                'Distances of the common pairs in both studies; on the dashed line they are equal.'));
+    return section(
+        'compare', `Compared with ${shown(c.other)}`,
+        el('p', {},
+           `${c.common_shapes} shapes and ${
+               c.common_pairs} pairs in common. Rank correlation of the distances: Spearman ${
+               num(c.spearman)}, Kendall ${num(c.kendall)}; Pearson ${num(c.pearson)}. ` +
+               (c.neighbours ? `Of the ${c.neighbours} nearest neighbours ${percent(c.mean_overlap)} are the same.` :
+                               '')),
+        c.distances.length ? box : null,
+        c.moved.length ? table(
+                             'Shapes whose nearest neighbour moved',
+                             ['shape', 'nearest here', 'nearest there', '#common neighbours'],
+                             c.moved.map(m => [shown(m.shape), shown(m.here), shown(m.there), percent(m.overlap)])) :
+                         null,
+        c.different_settings.length ?
+            table(
+                'Settings that differ (here | there)', ['setting', 'values', 'meaning'],
+                c.different_settings.map(s => [shown(s.name), shown(s.value), shown(s.description)])) :
+            null);
+}
+
+/// Only files beside the report are linked; anything with a scheme or an absolute path is shown as text.
+const relative = href => !/^[a-z][a-z0-9+.-]*:/i.test(href) && !/^[\\/]/.test(href);
+
+function repeatSection() {
+    return section(
+        'repeat', 'Files, settings, versions',
+        data.links.length ?
+            el('ul', {class: 'links'},
+               data.links.map(
+                   l =>
+                       el('li', {},
+                          relative(l.href) ? el('a', {href: l.href.split('/').map(encodeURIComponent).join('/')},
+                                                shown(l.title || l.href)) :
+                                             shown(l.title || l.href),
+                          l.description ? ' – ' + shown(l.description) : ''))) :
+            null,
+        data.command ? el('div', {}, el('p', {}, 'This command repeats the study:'),
+                          el('pre', {tabindex: '0'}, el('code', {}, data.command)), copyButton(data.command)) :
+                       null,
+        el('div', {class: 'two'},
+           data.settings.length ? table(
+                                      'Settings', ['name', 'value', 'meaning'],
+                                      data.settings.map(s => [shown(s.name), shown(s.value), shown(s.description)])) :
+                                  null,
+           data.versions.length ? table(
+                                      'Versions', ['component', 'version', ''],
+                                      data.versions.map(s => [shown(s.name), shown(s.value), shown(s.description)])) :
+                                  null));
+}
