@@ -6,8 +6,9 @@ cmake_minimum_required(VERSION 3.25)
 # Vega's modules in the order of their dependencies; the package has no bundle, but every module speaks CommonJS.
 set(modules util time format loader canvas statistics scale scenegraph dataflow expression selection functions
   event-selector parser runtime interpreter view transforms view-transforms encode)
-set(script "\"use strict\";\n/* Contains Vega, (c) University of Washington Interactive Data Lab, BSD-3-Clause, and parts of
-D3, (c) Mike Bostock, ISC, from Debian's package libjs-vega; see /usr/share/doc/libjs-vega/copyright. */\nconst vegaModules = {};\n")
+# A report is a copy of Vega, so it carries Vega's notice.
+file(READ "${TEMPLATES}/notice.txt" notice)
+set(script "\"use strict\";\n/*\n${notice}*/\nconst vegaModules = {};\n")
 foreach(module IN LISTS modules)
   set(file "${VEGA}/vega-${module}.min.js")
   if(NOT EXISTS "${file}")
