@@ -58,7 +58,8 @@ public:
     [[nodiscard]] const LevelSet<Dim>& first() const { return first_; }
     [[nodiscard]] const LevelSet<Dim>& last() const { return last_; }
     [[nodiscard]] double eta() const { return eta_; }
-    [[nodiscard]] double eps() const { return layout_.grid.spacing(); }
+    /// Width of the diffuse contour, eps = rim_width h.
+    [[nodiscard]] double eps() const { return options_.rim_width * layout_.grid.spacing(); }
     [[nodiscard]] const GeodesicOptions& options() const { return options_; }
 
     /// u_k of a path, k = 0..K.
@@ -67,7 +68,7 @@ public:
     /// Deformations with a det D phi below this at a quadrature point or cell corner count as folded.
     static constexpr double least_det = 0.02;
     /// Stiffness of squeezed cells (det < barrier_onset) at their corners, beside 1 inside and delta outside.
-    static inline double barrier_weight = 1e-2;
+    static constexpr double barrier_weight = 1e-2;
 
     /// E of (14) at the path x (see PathLayout); its gradient goes to `gradient` unless that is empty, with zeros for
     /// the displacements on the boundary of the cube. The bits do not depend on the number of threads.

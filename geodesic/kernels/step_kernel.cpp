@@ -30,47 +30,69 @@ constexpr double gauss_coordinate(int point, int axis) {
     return ((point >> axis) & 1) ? gauss_high : gauss_low;
 }
 
-/// Value of the multilinear shape function of `corner` at Gauss point `point` of the unit cell.
+/// Values at the Gauss points of the unit cell of the multilinear shape functions and of their derivatives (in units of
+/// 1 / h), as tables: [point][corner] and [point][axis][corner].
 template <int Dim>
-constexpr double shape_value(int corner, int point) {
-    double value = 1.0;
-    for (int a = 0; a < Dim; ++a) {
-        const double g = gauss_coordinate(point, a);
-        value *= ((corner >> a) & 1) ? g : 1.0 - g;
-    }
-    return value;
-}
+struct ShapeTables {
+    double value[1 << Dim][1 << Dim];
+    double slope[1 << Dim][Dim][1 << Dim];
 
-/// Its derivative along `axis`, in units of 1 / h.
+    constexpr ShapeTables() : value(), slope() {
+        for (int q = 0; q < (1 << Dim); ++q) {
+            for (int c = 0; c < (1 << Dim); ++c) {
+                value[q][c] = 1.0;
+                for (int a = 0; a < Dim; ++a) value[q][c] *= factor(q, c, a);
+                for (int axis = 0; axis < Dim; ++axis) {
+                    slope[q][axis][c] = ((c >> axis) & 1) ? 1.0 : -1.0;
+                    for (int a = 0; a < Dim; ++a) {
+                        if (a != axis) slope[q][axis][c] *= factor(q, c, a);
+                    }
+                }
+            }
+        }
+    }
+    static constexpr double factor(int point, int corner, int axis) {
+        const double g = gauss_coordinate(point, axis);
+        return ((corner >> axis) & 1) ? g : 1.0 - g;
+    }
+};
 template <int Dim>
-constexpr double shape_slope(int corner, int point, int axis) {
-    double value = ((corner >> axis) & 1) ? 1.0 : -1.0;
-    for (int a = 0; a < Dim; ++a) {
-        if (a == axis) continue;
-        const double g = gauss_coordinate(point, a);
-        value *= ((corner >> a) & 1) ? g : 1.0 - g;
-    }
-    return value;
+constexpr ShapeTables<Dim> shapes{};
+
+/// For x = det - 1 > -1: x - log(1 + x) without cancellation, and 1 / (1 + x); one division for both.
+/// With s = x / (2 + x): log(1 + x) = 2 artanh(s), hence x - log(1 + x) = x s - 2 (s^3/3 + s^5/5 + ...).
+HWY_INLINE V minus_log1p(D d, V x, V& inverse) {
+    const V one = hn::Set(d, 1.0), two = hn::Set(d, 2.0);
+    const V det = hn::Add(one, x), sum = hn::Add(two, x);
+    const V both = hn::Div(one, hn::Mul(det, sum));
+    inverse = hn::Mul(both, sum);
+    const V s = hn::Mul(x, hn::Mul(both, det));
+    const V y = hn::Mul(s, s), y2 = hn::Mul(y, y), y4 = hn::Mul(y2, y2);
+    const auto term = [&](double n) HWY_ATTR { return hn::Set(d, 2.0 / n); };
+    const V p0 = hn::MulAdd(y, term(5), term(3)), p1 = hn::MulAdd(y, term(9), term(7));
+    const V p2 = hn::MulAdd(y, term(13), term(11)), p3 = hn::MulAdd(y, term(17), term(15));
+    const V q0 = hn::MulAdd(y2, p1, p0), q1 = hn::MulAdd(y2, p3, p2);
+    const V q2 = hn::MulAdd(y2, term(23), hn::MulAdd(y, term(21), term(19)));
+    const V series = hn::MulAdd(hn::MulAdd(y4, q2, q1), y4, q0);
+    V result = hn::NegMulAdd(hn::Mul(y, s), series, hn::Mul(x, s));
+    // The series is good to 1e-14 for |s| < 0.22, that is det between 0.64 and 1.56.
+    const auto far = hn::Gt(y, hn::Set(d, 0.0484));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, far))) result = hn::IfThenElse(far, hn::Sub(x, hn::Log(d, det)), result);
+    return result;
 }
 
-/// x - log(1 + x) without cancellation for small x.
-HWY_INLINE V minus_log1p(D d, V x) {
-    const V log = hn::Log(d, hn::Add(hn::Set(d, 1.0), x));
-    V series = hn::Set(d, 1.0 / 9);
-    for (const double denominator : {8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0}) {
-        series = hn::NegMulAdd(series, x, hn::Set(d, 1.0 / denominator));
-    }
-    series = hn::Mul(series, hn::Mul(x, x));
-    return hn::IfThenElse(hn::Lt(hn::Abs(x), hn::Set(d, 0.01)), series, hn::Sub(x, log));
-}
-
-HWY_INLINE V smooth_heaviside(D d, V u, V inverse_eps) {
-    return hn::MulAdd(hn::Atan(d, hn::Mul(u, inverse_eps)), hn::Set(d, inverse_pi), hn::Set(d, 0.5));
-}
-
-/// delta_eps(u) = eps / (pi (eps^2 + u^2)).
-HWY_INLINE V smooth_delta(V u, V eps_over_pi, V eps_squared) {
-    return hn::Div(eps_over_pi, hn::MulAdd(u, u, eps_squared));
+/// H_eps(u) = 1/2 + arctan(t) / pi and pi eps delta_eps(u) = 1 / (1 + t^2), t = u / eps; one division for both.
+HWY_INLINE V smooth_heaviside(D d, V u, V inverse_eps, V& unit_delta) {
+    const V one = hn::Set(d, 1.0);
+    const V t = hn::Mul(u, inverse_eps), size = hn::Abs(t);
+    const auto far = hn::Gt(size, one);
+    const V square = hn::MulAdd(t, t, one);
+    const V inverse = hn::Div(one, hn::Mul(square, hn::IfThenElse(far, size, one)));
+    unit_delta = hn::IfThenElse(far, hn::Mul(inverse, size), inverse);
+    hn::impl::AtanImpl<double> impl;
+    const V angle = impl.AtanPoly(d, hn::IfThenElse(far, hn::Mul(inverse, square), size));
+    const V positive = hn::IfThenElse(far, hn::Sub(hn::Set(d, 0.5 / inverse_pi), angle), angle);
+    return hn::MulAdd(hn::CopySign(positive, t), hn::Set(d, inverse_pi), hn::Set(d, 0.5));
 }
 
 /// det(I + B) - 1, and its part of order two and higher in B.
@@ -234,7 +256,7 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
     const V one = hn::Set(d, 1.0), zero = hn::Zero(d);
     const V inverse_h = hn::Set(d, static_cast<double>(cells));
     const V inverse_eps = hn::Set(d, 1.0 / s.eps);
-    const V eps_over_pi = hn::Set(d, s.eps * inverse_pi), eps_squared = hn::Set(d, s.eps * s.eps);
+    const V delta_factor = hn::Set(d, inverse_pi / s.eps);
     const V mu = hn::Set(d, s.mu), half_mu = hn::Set(d, 0.5 * s.mu);
     const V quarter_lambda = hn::Set(d, 0.25 * s.lambda), half_lambda = hn::Set(d, 0.5 * s.lambda);
     const V log_factor = hn::Set(d, s.mu + 0.5 * s.lambda);
@@ -280,9 +302,9 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
                         displacement[a] = zero;
                         for (int j = 0; j < Dim; ++j) b[a][j] = zero;
                         for (int c = 0; c < corners; ++c) {
-                            displacement[a] = hn::MulAdd(hn::Set(d, shape_value<Dim>(c, q)), w[a][c], displacement[a]);
+                            displacement[a] = hn::MulAdd(hn::Set(d, shapes<Dim>.value[q][c]), w[a][c], displacement[a]);
                             for (int j = 0; j < Dim; ++j) {
-                                b[a][j] = hn::MulAdd(hn::Set(d, shape_slope<Dim>(c, q, j)), w[a][c], b[a][j]);
+                                b[a][j] = hn::MulAdd(hn::Set(d, shapes<Dim>.slope[q][j][c]), w[a][c], b[a][j]);
                             }
                         }
                         for (int j = 0; j < Dim; ++j) {
@@ -292,7 +314,7 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
                     }
                     V u_here = zero;
                     for (int c = 0; c < corners; ++c) {
-                        u_here = hn::MulAdd(hn::Set(d, shape_value<Dim>(c, q)), u[c], u_here);
+                        u_here = hn::MulAdd(hn::Set(d, shapes<Dim>.value[q][c]), u[c], u_here);
                     }
 
                     // W = mu (|B|^2 / 2 - higher) + lambda/4 D^2 + (mu + lambda/2) (D - log(1 + D)), D = det - 1.
@@ -302,8 +324,9 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
                     min_det = hn::Min(min_det, det);
                     V density = hn::NegMulAdd(mu, higher, hn::Mul(half_mu, norm));
                     density = hn::MulAdd(quarter_lambda, hn::Mul(det_minus_one, det_minus_one), density);
-                    density = hn::MulAdd(log_factor, minus_log1p(d, det_minus_one), density);
-                    const V inside = smooth_heaviside(d, u_here, inverse_eps);
+                    V inverse_det, delta_here, delta_there;
+                    density = hn::MulAdd(log_factor, minus_log1p(d, det_minus_one, inverse_det), density);
+                    const V inside = smooth_heaviside(d, u_here, inverse_eps, delta_here);
                     const V weight = hn::MulAdd(hn::Set(d, 1.0 - s.delta), inside, hn::Set(d, s.delta));
                     sum_deformation = hn::MulAdd(weight, density, sum_deformation);
 
@@ -332,40 +355,39 @@ StepSums StepEnergyRows(int row_begin, int row_end, const StepFields<Dim>& f, co
                     if (f.mask) {
                         known = zero;
                         for (int c = 0; c < corners; ++c) {
-                            known = hn::MulAdd(hn::Set(d, shape_value<Dim>(c, q)), chi[c], known);
+                            known = hn::MulAdd(hn::Set(d, shapes<Dim>.value[q][c]), chi[c], known);
                         }
                     }
-                    const V residual = hn::Sub(smooth_heaviside(d, u_there, inverse_eps), inside);
+                    const V residual = hn::Sub(smooth_heaviside(d, u_there, inverse_eps, delta_there), inside);
                     const V masked_residual = hn::Mul(known, residual);
                     sum_mismatch = hn::MulAdd(masked_residual, residual, sum_mismatch);
                     if (!with_gradient) continue;
 
                     const V match = hn::Mul(hn::Set(d, 2.0 * quadrature_weight * s.mismatch), masked_residual);
                     // c = lambda/2 det - (mu + lambda/2) / det + mu.
-                    const V c =
-                        hn::MulAdd(half_lambda, det_minus_one, hn::Div(hn::Mul(log_factor, det_minus_one), det));
+                    const V c = hn::MulAdd(half_lambda, det_minus_one,
+                                           hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
                     V p[Dim][Dim];
                     first_piola<Dim>(b, mu, c, p);
                     const V stress_factor = hn::Mul(hn::Mul(deformation_factor, weight), inverse_h);
-                    const V force = hn::Mul(match, smooth_delta(u_there, eps_over_pi, eps_squared));
+                    const V force = hn::Mul(match, hn::Mul(delta_there, delta_factor));
                     const V scaled_force = hn::Mul(force, inverse_h);
                     for (int a = 0; a < Dim; ++a) {
                         const V body = hn::Mul(scaled_force, gradient[a]);
                         for (int j = 0; j < Dim; ++j) p[a][j] = hn::Mul(p[a][j], stress_factor);
                         for (int k = 0; k < corners; ++k) {
-                            V sum = hn::MulAdd(hn::Set(d, shape_value<Dim>(k, q)), body, grad_w[a][k]);
+                            V sum = hn::MulAdd(hn::Set(d, shapes<Dim>.value[q][k]), body, grad_w[a][k]);
                             for (int j = 0; j < Dim; ++j) {
-                                sum = hn::MulAdd(hn::Set(d, shape_slope<Dim>(k, q, j)), p[a][j], sum);
+                                sum = hn::MulAdd(hn::Set(d, shapes<Dim>.slope[q][j][k]), p[a][j], sum);
                             }
                             grad_w[a][k] = sum;
                         }
                     }
                     if (with_previous) {
                         const V softness = hn::Mul(hn::Mul(hn::Set(d, 1.0 - s.delta), deformation_factor), density);
-                        const V coefficient =
-                            hn::Mul(smooth_delta(u_here, eps_over_pi, eps_squared), hn::Sub(softness, match));
+                        const V coefficient = hn::Mul(hn::Mul(delta_here, delta_factor), hn::Sub(softness, match));
                         for (int k = 0; k < corners; ++k) {
-                            grad_u[k] = hn::MulAdd(hn::Set(d, shape_value<Dim>(k, q)), coefficient, grad_u[k]);
+                            grad_u[k] = hn::MulAdd(hn::Set(d, shapes<Dim>.value[q][k]), coefficient, grad_u[k]);
                         }
                     }
                     if (with_next) {

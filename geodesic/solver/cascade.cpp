@@ -155,10 +155,9 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
 }
 
 template <int Dim>
-void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last) {
+void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, double eps) {
     const auto& grid = path.layout.grid;
     const int steps = path.layout.time_steps;
-    const double eps = grid.spacing();
     // Where the point at a node of frame k came from in frame 0, and where it goes to in frame K: as displacements, so
     // that interpolating them again and again does not blur the shapes.
     std::vector<VectorField<Dim>> origin(static_cast<std::size_t>(steps), VectorField<Dim>(grid)), target = origin;
@@ -238,7 +237,7 @@ PathState<Dim> reversed(const PathState<Dim>& path, int& folds) {
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
                                                int&);                                                             \
     template PathState<Dim> prolong_in_space<Dim>(const PathState<Dim>&, int&);                                   \
-    template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&);             \
+    template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, double);     \
     template PathState<Dim> reversed<Dim>(const PathState<Dim>&, int&);
 MORPHODESIC_INSTANTIATE(2)
 MORPHODESIC_INSTANTIATE(3)

@@ -33,7 +33,7 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds);
 /// phi_K o ... o phi_{k+1}. That minimises the mismatch part of (14) exactly (it is quadratic in H_eps(u_k) along
 /// trajectories), tails of the arctan included, which a gradient in u can hardly see.
 template <int Dim>
-void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last);
+void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, double eps);
 
 /// The path walked backwards, from last to first: inverse deformations, shapes in reverse order.
 template <int Dim>

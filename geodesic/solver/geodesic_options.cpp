@@ -15,6 +15,7 @@ std::vector<std::string> GeodesicOptions::problems() const {
     require(lambda >= 0, "lambda must not be negative");
     require(mu > 0, "mu must be positive");
     require(outside_stiffness > 0 && outside_stiffness <= 1, "outside-stiffness must lie in (0, 1]");
+    require(rim_width >= 0.25 && rim_width <= 4, "rim-width must lie in [0.25, 4]");
     require(area_weight >= 0, "area-weight must not be negative");
     require(tolerance > 0 && tolerance < 1, "tolerance must lie in (0, 1)");
     require(max_iterations > 0, "max-iterations must be positive");

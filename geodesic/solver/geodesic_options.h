@@ -15,6 +15,7 @@ struct GeodesicOptions {
     double lambda = 3.0;                     ///< Lame parameter lambda >= 0 of the dissipation (1)
     double mu = 1.0;                         ///< Lame parameter mu > 0
     double outside_stiffness = 1e-4;         ///< delta in (13), > 0
+    double rim_width = 0.5;                  ///< eps / h in H_eps, > 0; the paper has 1, half of it halves the error
     double area_weight = 0.0;                ///< nu in (14), >= 0
     bool preserve_volume = false;            ///< shapes between keep the area (volume) interpolated between the ends
     double tolerance = 3e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
@@ -32,6 +33,7 @@ struct GeodesicOptions {
         visit("lambda", self.lambda, "resistance to change of volume in the dissipation (1)");
         visit("mu", self.mu, "resistance to change of length in the dissipation (1)");
         visit("outside-stiffness", self.outside_stiffness, "delta: stiffness of the background");
+        visit("rim-width", self.rim_width, "width eps of the diffuse contour in units of the grid size (paper: 1)");
         visit("area-weight", self.area_weight, "nu: weight of the contour length (surface area) term");
         visit("preserve-volume", self.preserve_volume, "keep the area (volume) of the shapes between the two ends");
         visit("tolerance", self.tolerance, "stop when five iterations lower the energy by less than this share");

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/kernels/vector_kernels.h"
 #include "geodesic/solver/path_preconditioner.h"
+#include "geodesic/solver/volume_constraint.h"
 
 namespace morphodesic {
 
@@ -61,7 +64,20 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     MinimizerSummary summary;
     std::vector<double> gradient(x.size()), next_gradient(x.size()), next(x.size()), direction(x.size()),
         work(x.size());
-    PathTerms terms = energy.evaluate(x, gradient);
+    std::optional<VolumeConstraint<Dim>> constraint;
+    if (energy.options().preserve_volume && energy.layout().time_steps > 1) constraint.emplace(energy);
+    const auto evaluate = [&](std::vector<double>& at, std::vector<double>& g) {
+        if (constraint && !constraint->correct(at)) {
+            PathTerms vanished;
+            vanished.total = std::numeric_limits<double>::infinity();
+            vanished.step_min_det.assign(static_cast<std::size_t>(energy.layout().time_steps), 1.0);
+            return vanished;
+        }
+        auto found = energy.evaluate(at, g);
+        if (constraint && std::isfinite(found.total)) constraint->project_gradient(at, g);
+        return found;
+    };
+    PathTerms terms = evaluate(x, gradient);
     summary.evaluations = 1;
     if (!std::isfinite(terms.total)) throw std::invalid_argument("minimize_path: the start folds (infinite energy)");
 
@@ -76,10 +92,12 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         }
         if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
         lbfgs_direction(pairs, preconditioner, gradient, work, direction);
+        if (constraint) constraint->project_direction(x, direction);
         double slope = kernels::dot(gradient, std::span<const double>(direction));
         if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
             pairs.clear();
             lbfgs_direction(pairs, preconditioner, gradient, work, direction);
+            if (constraint) constraint->project_direction(x, direction);
             slope = kernels::dot(gradient, std::span<const double>(direction));
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
@@ -93,11 +111,11 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         bool accepted = false;
         for (int halving = 0; halving < max_halvings && !accepted; ++halving) {
             kernels::step(next, x, t, direction);
-            next_terms = energy.evaluate(next, next_gradient);
+            next_terms = evaluate(next, next_gradient);
             ++summary.evaluations;
             // Folds appear where the soft background is squeezed: undo them there instead of shortening the whole step.
             if (!std::isfinite(next_terms.total) && repair<Dim>(energy.layout(), next_terms, next)) {
-                next_terms = energy.evaluate(next, next_gradient);
+                next_terms = evaluate(next, next_gradient);
                 ++summary.evaluations;
             }
             accepted = next_terms.total <= terms.total + armijo * t * slope;

@@ -2,6 +2,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "geodesic/discrete_geodesic.h"
+#include "geodesic/solver/volume_constraint.h"
 #include "tests/support/path_problems.h"
 
 namespace morphodesic {
@@ -37,8 +38,8 @@ TEST(DiscreteGeodesic, DisksConvergeToTheClosedFormWithFirstOrder) {
         EXPECT_LE(std::abs(r.path_length - exact), r.error) << "the true error lies within the bar, level " << level;
         EXPECT_GT(r.min_det, 0.5);
         if (level == 7) {
-            EXPECT_LT(errors.back(), 0.055 * exact);
-            EXPECT_LT(std::abs(r.extrapolated_length - exact), 0.025 * exact);
+            EXPECT_LT(errors.back(), 0.03 * exact);
+            EXPECT_LT(std::abs(r.extrapolated_length - exact), 0.01 * exact);
         }
     }
     EXPECT_GT(std::log2(errors[0] / errors[2]) / 2.0, 0.7) << "observed order";
@@ -145,6 +146,33 @@ TEST(DiscreteGeodesic, SameShapeHasLengthZero) {
     const auto r = compute_discrete_geodesic<2>(u, u, options_for(5, 2));
     EXPECT_EQ(r.termination, Termination::converged);
     EXPECT_LT(r.path_length, 1e-6);
+}
+
+TEST(DiscreteGeodesic, AreaIsKeptWhereThatIsAsked) {
+    const auto [a, b] = two_boxes<2>(6);
+    auto options = options_for(6, 4);
+    options.area_weight = 0.005;
+    options.preserve_volume = true;
+    const auto r = compute_discrete_geodesic<2>(a, b, options);
+    ASSERT_EQ(r.termination, Termination::converged);
+    const double first = enclosed_volume(r.shapes.front().grid, r.shapes.front().values.data());
+    const double last = enclosed_volume(r.shapes.back().grid, r.shapes.back().values.data());
+    EXPECT_NEAR(first, 4 * 0.2 * 0.1, 5e-3 * first);
+    for (std::size_t k = 0; k < r.shapes.size(); ++k) {
+        const double expected = first + (last - first) * static_cast<double>(k) / 4.0;
+        EXPECT_NEAR(enclosed_volume(r.shapes[k].grid, r.shapes[k].values.data()), expected, 1e-6 * expected);
+    }
+}
+
+TEST(DiscreteGeodesic, LengthHardlyDependsOnTheNumberOfSteps) {
+    const auto [a, b] = two_boxes<2>(5);
+    double least = 1e300, most = 0.0;
+    for (const int steps : {2, 4, 8}) {
+        const double length = compute_discrete_geodesic<2>(a, b, options_for(5, steps)).path_length;
+        least = std::min(least, length);
+        most = std::max(most, length);
+    }
+    EXPECT_LT(most - least, 0.03 * most);
 }
 
 TEST(DiscreteGeodesic, ObserverCancels) {

@@ -98,7 +98,7 @@ TYPED_TEST(CascadeIn, TransportedShapesLowerTheMismatch) {
         return sum;
     };
     const double before = mismatch(path.x);
-    transport_shapes(path, problem.energy.first(), problem.energy.last());
+    transport_shapes(path, problem.energy.first(), problem.energy.last(), problem.energy.eps());
     EXPECT_LT(mismatch(path.x), before);
 }
 
