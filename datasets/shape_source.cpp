@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<std::string_view, 14> image_endings = {".png",  ".jpg", ".jpeg", ".jpe", ".bmp", ".dib",  ".tif",
                                                             ".tiff", ".pgm", ".pbm",  ".ppm", ".pnm", ".webp", ".gif"};
-constexpr std::array<std::string_view, 4> solid_endings = {".ply", ".obj", ".stl", ".off"};
+constexpr std::array<std::string_view, 7> solid_endings = {".ply", ".obj", ".stl", ".off", ".pcd", ".xyz", ".vdb"};
 
 std::string ending_of(const std::filesystem::path& file) {
     std::string ending = file.extension().string();
@@ -60,8 +60,9 @@ ShapeSource single_source(const std::filesystem::path& file) {
     source.name = file.filename().string();
     source.dimension = shape_dimension(file);
     if (source.dimension == 0) {
-        throw ReadError(file, "this is not a kind of file that holds a shape",
-                        "use an image (PNG, JPEG, BMP, TIFF, PNM, WebP, GIF) or a mesh (PLY, OBJ, STL, OFF)");
+        throw ReadError(
+            file, "this is not a kind of file that holds a shape",
+            "use an image (PNG, JPEG, BMP, TIFF, PNM, WebP, GIF) or a solid (PLY, OBJ, STL, OFF, PCD, XYZ, VDB)");
     }
     const std::filesystem::path mask = file.parent_path() / (file.stem().string() + ".mask.png");
     if (std::filesystem::exists(mask, error)) source.mask_path = mask;

@@ -6,8 +6,10 @@
 
 #include "datasets/import.h"
 #include "datasets/mesh_reader.h"
+#include "datasets/point_cloud_reader.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
+#include "datasets/vdb_files.h"
 #include "datasets/voxelize.h"
 
 namespace morphodesic::datasets {
@@ -45,12 +47,23 @@ LevelSet<3> SolidGeometry::signed_distance(const DyadicGrid<3>& grid, const Plac
 
 RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& options) {
     for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
-    MeshFile file = read_mesh(source.path, options.max_megabytes);
     SolidifyOptions solidify;
     solidify.close_gaps = options.close_gaps;
     solidify.speck_fraction = options.speck_fraction;
-    Solid solid = file.mesh.triangles.empty() ? solid_from_points(std::move(file.mesh.points), source.path, solidify)
-                                              : solid_from_triangles(std::move(file.mesh), source.path, solidify);
+    MeshFile file;
+    bool is_volume = false;
+    if (is_point_cloud(source.path)) {
+        file.mesh.points = read_point_cloud(source.path, options.max_megabytes, file.notes);
+    } else if (is_vdb(source.path)) {
+        file.mesh = read_vdb_surface(source.path, options.isovalue, options.max_megabytes, file.notes);
+        is_volume = true;
+    } else {
+        file = read_mesh(source.path, options.max_megabytes);
+    }
+    Solid solid = is_volume && topology(file.mesh).closed()
+                      ? finished_solid(std::move(file.mesh), source.path, solidify, {})
+                  : file.mesh.triangles.empty() ? solid_from_points(std::move(file.mesh.points), source.path, solidify)
+                                                : solid_from_triangles(std::move(file.mesh), source.path, solidify);
     if (is_listed(source.name, options.mirror)) {
         mirror(solid.mesh);
         solid.centroid[0] = -solid.centroid[0];

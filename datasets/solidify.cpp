@@ -473,12 +473,12 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options) {
     std::vector<std::string> notes;
     const CleaningReport cleaned = clean(mesh);
-    if (mesh.triangles.empty()) {
+    if (mesh.triangles.empty() || !(surface_area(mesh) > 0.0)) {
         throw ReadError(file, "no triangle has an area", "export the surface again, in a format that keeps its faces");
     }
     refuse_flat(mesh.points, file);
     if (cleaned.degenerate_triangles + cleaned.repeated_triangles > 0) {
-        notes.push_back("Dropped " + count(cleaned.degenerate_triangles, "triangle") + " without area and " +
+        notes.push_back("Dropped " + count(cleaned.degenerate_triangles, "triangle") + " with two equal corners and " +
                         count(cleaned.repeated_triangles, "repeated triangle") + ".");
     }
     const Patches patch = patches(mesh);

@@ -162,14 +162,12 @@ CleaningReport clean(TriangleMesh& mesh) {
     report.merged_points = mesh.points.size() - points.size();
     mesh.points = std::move(points);
 
-    // Twice a triangle's area below this is rounding of its coordinates.
-    const double smallest = is_cloud ? 0.0 : 1e-14 * std::pow(bounding_box(mesh.points).diagonal(), 2);
     std::vector<std::array<int, 3>> kept;
     kept.reserve(mesh.triangles.size());
     for (auto t : mesh.triangles) {
         for (int& c : t) c = merged[c];
-        const bool distinct = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        if (distinct && norm(area_vector({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]})) > smallest) {
+        // A sliver between three different points stays: without it its neighbours would have a crack between them.
+        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             kept.push_back(t);
         } else {
             ++report.degenerate_triangles;

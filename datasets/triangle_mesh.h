@@ -74,10 +74,10 @@ MeshTopology topology(const TriangleMesh& mesh);
 struct CleaningReport {
     std::size_t merged_points = 0;         ///< points with exactly the coordinates of another
     std::size_t unused_points = 0;         ///< points of no triangle (only in meshes with triangles)
-    std::size_t degenerate_triangles = 0;  ///< triangles without area
+    std::size_t degenerate_triangles = 0;  ///< triangles with two equal corners
     std::size_t repeated_triangles = 0;    ///< triangles with the same three corners as another
 };
-/// Merges points of equal coordinates; drops triangles without area, repeated triangles and unused points.
+/// Merges points of equal coordinates; drops triangles with two equal corners, repeated triangles and unused points.
 CleaningReport clean(TriangleMesh& mesh);
 
 /// Connected pieces of a surface.

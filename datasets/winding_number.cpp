@@ -41,7 +41,9 @@ std::vector<std::int8_t> winding_numbers(const TriangleMesh& mesh, const Lattice
                         left += is_left != swap;
                     }
                     if (left != 0 && left != 3) continue;
-                    const double x = c[0][0] - (n[1] * (y - c[0][1]) + n[2] * (z - c[0][2])) / n[0];
+                    const double slope_x = c[0][0] - (n[1] * (y - c[0][1]) + n[2] * (z - c[0][2])) / n[0];
+                    const double x = std::clamp(slope_x, std::min({c[0][0], c[1][0], c[2][0]}),
+                                                std::max({c[0][0], c[1][0], c[2][0]}));  // slivers
                     const double i = std::ceil((x - lattice.origin[0]) / h);
                     if (i >= nx) continue;
                     // n[0] < 0: the row enters the solid

@@ -1,0 +1,191 @@
+#include "datasets/solid_pictures.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/RayTracer.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "datasets/normalize.h"
+#include "datasets/vdb_files.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using Colour = std::array<double, 3>;
+
+/// Nine colours of viridis (van der Walt, Smith 2015), in between linear.
+Colour viridis(double t) {
+    static constexpr std::array<Colour, 9> table{{{0.267, 0.005, 0.329},
+                                                  {0.279, 0.175, 0.483},
+                                                  {0.230, 0.322, 0.546},
+                                                  {0.173, 0.449, 0.558},
+                                                  {0.128, 0.567, 0.551},
+                                                  {0.158, 0.684, 0.502},
+                                                  {0.369, 0.789, 0.383},
+                                                  {0.678, 0.864, 0.190},
+                                                  {0.993, 0.906, 0.144}}};
+    const double s = std::clamp(std::isfinite(t) ? t : 0.0, 0.0, 1.0) * 8.0;
+    const int i = std::min(static_cast<int>(s), 7);
+    Colour c;
+    for (int a = 0; a < 3; ++a) c[a] = table[i][a] + (s - i) * (table[i + 1][a] - table[i][a]);
+    return c;
+}
+
+constexpr Colour plain{0.62, 0.70, 0.80};
+
+double share(double value, const ColourRange& range) {
+    return range.high > range.low ? (value - range.low) / (range.high - range.low) : 0.0;
+}
+
+/// Light from the upper left behind the camera; the colour belongs to the place that is seen.
+class PlaceShader : public openvdb::tools::BaseShader {
+public:
+    PlaceShader(const ScalarField<3>* colour, const ColourRange& range, const openvdb::Vec3R& light)
+        : colour_(colour), range_(range), light_(light) {}
+
+    openvdb::tools::Film::RGBA operator()(const openvdb::Vec3R& xyz, const openvdb::Vec3R& normal,
+                                          const openvdb::Vec3R& direction) const override {
+        const Colour c =
+            colour_ == nullptr ? plain : viridis(share(value_at(*colour_, {xyz[0], xyz[1], xyz[2]}), range_));
+        const double diffuse = std::max(0.0, normal.dot(light_)), facing = std::abs(normal.dot(direction));
+        const double brightness = std::min(1.0, 0.28 + 0.25 * facing + 0.55 * diffuse);
+        return {c[0] * brightness, c[1] * brightness, c[2] * brightness, 1.0};
+    }
+    [[nodiscard]] BaseShader* copy() const override { return new PlaceShader(*this); }
+
+private:
+    const ScalarField<3>* colour_;
+    ColourRange range_;
+    openvdb::Vec3R light_;
+};
+
+std::uint16_t byte(double v) {
+    return static_cast<std::uint16_t>(std::lround(255.0 * std::clamp(v, 0.0, 1.0)));
+}
+
+}  // namespace
+
+PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarField<3>* colour,
+                       const ColourRange& range) {
+    if (view.width < 16 || view.height < 16 || view.width > 4096 || view.height > 4096 || view.up_axis < 0 ||
+        view.up_axis > 2 || !(view.zoom > 0)) {
+        throw std::invalid_argument("shaded_view: size from 16 to 4096 pixels, up axis 0, 1 or 2, zoom > 0");
+    }
+    PixelImage image{view.width, view.height, 4, 255.0, {}};
+    image.values.assign(4 * image.pixel_count(), 0);
+
+    const int n = shape.grid.nodes_per_axis();
+    const double h = shape.grid.spacing();
+    const auto band = static_cast<float>(3.0 * h);
+    std::vector<float> outward(shape.values.size());
+    bool has_inside = false;
+    for (int k = 0; k < n; ++k) {
+        for (int j = 0; j < n; ++j) {
+            for (int i = 0; i < n; ++i) {
+                const std::size_t node = shape.grid.index({i, j, k});
+                has_inside |= shape.values[node] > 0;
+                outward[node] = std::clamp(static_cast<float>(-shape.values[node]), -band, band);
+            }
+        }
+    }
+    if (!has_inside) return image;
+    auto grid = openvdb::FloatGrid::create(band);
+    const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(
+        openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(n - 1)), outward.data());
+    openvdb::tools::copyFromDense(dense, *grid, 0.0F);
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    // Only voxels near the surface are active, which is what the ray intersector walks through.
+    for (auto it = grid->beginValueOn(); it; ++it) {
+        if (std::abs(*it) >= band) it.setValueOff();
+    }
+    if (grid->activeVoxelCount() == 0) return image;
+
+    const double azimuth = view.azimuth * std::numbers::pi / 180.0,
+                 elevation = view.elevation * std::numbers::pi / 180.0;
+    const int up = view.up_axis, a = (up + 1) % 3, b = (up + 2) % 3;
+    const openvdb::Vec3R centre(0.5, 0.5, 0.5);
+    openvdb::Vec3R from(0.0), above(0.0);
+    from[a] = std::cos(elevation) * std::cos(azimuth);
+    from[b] = std::cos(elevation) * std::sin(azimuth);
+    from[up] = std::sin(elevation);
+    above[up] = 1.0;
+    openvdb::Vec3R right = above.cross(from);
+    right.normalize();
+    openvdb::Vec3R light = 0.55 * from + 0.65 * from.cross(right) - 0.5 * right;
+    light.normalize();
+
+    constexpr int oversampling = 2;
+    constexpr float missed = -1.0F;  // no light: the ray tracer does not keep alpha
+    openvdb::tools::Film film(static_cast<std::size_t>(view.width) * oversampling,
+                              static_cast<std::size_t>(view.height) * oversampling,
+                              openvdb::tools::Film::RGBA(missed, missed, missed));
+    const double frame =
+        2.0 * 1.06 * largest_extent_radius / view.zoom * view.width / std::min(view.width, view.height);
+    openvdb::tools::OrthographicCamera camera(film, openvdb::Vec3R(0.0), centre + 2.0 * from, frame, 1e-3, 10.0);
+    camera.lookAt(centre, above);
+    const PlaceShader shader(colour, range, light);
+    const openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid> intersector(*grid);
+    openvdb::tools::rayTrace(*grid, intersector, shader, camera);
+
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            double sum[4]{};
+            for (int s = 0; s < oversampling * oversampling; ++s) {
+                const auto& p = film.pixel(static_cast<std::size_t>(x * oversampling + s % oversampling),
+                                           static_cast<std::size_t>(y * oversampling + s / oversampling));
+                if (p.r < 0) continue;
+                sum[0] += p.r, sum[1] += p.g, sum[2] += p.b, sum[3] += 1.0;
+            }
+            auto* out = image.values.data() + 4 * (static_cast<std::size_t>(y) * view.width + x);
+            for (int c = 0; c < 3; ++c) out[c] = sum[3] > 0 ? byte(sum[c] / sum[3]) : 0;
+            out[3] = byte(sum[3] / (oversampling * oversampling));
+        }
+    }
+    return image;
+}
+
+PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, int pixels,
+                         const ScalarField<3>* colour, const ColourRange& range) {
+    if (across < 0 || across > 2 || !(position >= 0.0 && position <= 1.0) || pixels < 16 || pixels > 4096) {
+        throw std::invalid_argument("slice_picture: axis 0, 1 or 2, position in [0,1], 16 to 4096 pixels");
+    }
+    const int right = across == 0 ? 1 : 0, up = across == 2 ? 1 : 2;
+    PixelImage image{pixels, pixels, 4, 255.0, {}};
+    image.values.assign(4 * image.pixel_count(), 255);
+    constexpr double stripe = 0.04;
+    for (int y = 0; y < pixels; ++y) {
+        for (int x = 0; x < pixels; ++x) {
+            Vector3 p;
+            p[across] = position;
+            p[right] = (x + 0.5) / pixels;
+            p[up] = 1.0 - (y + 0.5) / pixels;
+            const double u = value_at(shape, p);
+            Colour c = u > 0 ? plain : Colour{0.93, 0.93, 0.93};
+            if (u > 0 && colour != nullptr) c = viridis(share(value_at(*colour, p), range));
+            // Two tones in turn: the level lines are where the tone changes.
+            const bool odd = (static_cast<long>(std::floor(u / stripe)) & 1) != 0;
+            double tone = odd ? (u > 0 ? 0.86 : 0.94) : 1.0;
+            if (std::abs(u) < 1.2 / pixels) tone = 0.0;
+            auto* out = image.values.data() + 4 * (static_cast<std::size_t>(y) * pixels + x);
+            for (int i = 0; i < 3; ++i) out[i] = byte(tone * c[i]);
+        }
+    }
+    return image;
+}
+
+ColourRange colour_range(const LevelSet<3>& shape, const ScalarField<3>& field) {
+    ColourRange range{0.0, 0.0};
+    for (std::size_t i = 0; i < field.values.size(); ++i) {
+        const Vector3 x = field.grid.position(field.grid.node(i));
+        if (value_at(shape, x) > 0) range.high = std::max(range.high, field.values[i]);
+    }
+    return range;
+}
+
+}  // namespace morphodesic::datasets

@@ -1,0 +1,224 @@
+#include "datasets/vdb_files.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+
+#include "datasets/collection_folder.h"
+#include "datasets/read_error.h"
+#include "datasets/solidify.h"
+#include "datasets/text_scan.h"
+#include "datasets/voxelize.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t largest_voxel_count = 512ULL * 512 * 512;
+
+openvdb::FloatGrid::Ptr float_grid(const openvdb::GridBase::Ptr& base) {
+    if (auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base)) return grid;
+    if (auto other = openvdb::gridPtrCast<openvdb::DoubleGrid>(base)) {
+        auto grid = openvdb::FloatGrid::create(static_cast<float>(other->background()));
+        grid->setTransform(other->transformPtr()->copy());
+        grid->setGridClass(other->getGridClass());
+        for (auto it = other->cbeginValueOn(); it; ++it) {
+            grid->tree().addTile(it.getLevel(), it.getCoord(), static_cast<float>(it.getValue()), true);
+        }
+        return grid;
+    }
+    return nullptr;
+}
+
+TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
+    std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec3I> triangles;
+    std::vector<openvdb::Vec4I> quads;
+    openvdb::tools::volumeToMesh(grid, points, triangles, quads, value, 0.0, false);
+    TriangleMesh mesh;
+    for (const auto& p : points) mesh.points.push_back({p[0], p[1], p[2]});
+    const auto add = [&](unsigned a, unsigned b, unsigned c) {
+        mesh.triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
+    };
+    for (const auto& t : triangles) add(t[0], t[1], t[2]);
+    for (const auto& q : quads) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+    return mesh;
+}
+
+template <class T>
+void put(std::string& to, T value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    to.append(bytes, sizeof value);
+}
+
+void write_ply_content(const fs::path& file, const TriangleMesh& mesh, const std::vector<NamedField>& fields) {
+    std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
+                      "\nproperty float x\nproperty float y\nproperty float z\n";
+    for (const auto& f : fields) out += "property float " + f.name + "\n";
+    out += "element face " + std::to_string(mesh.triangles.size()) +
+           "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const auto& p : mesh.points) {
+        for (const double x : p) put(out, static_cast<float>(x));
+        for (const auto& f : fields) put(out, static_cast<float>(value_at(*f.field, p)));
+    }
+    for (const auto& t : mesh.triangles) {
+        put(out, std::uint8_t{3});
+        for (const int c : t) put(out, static_cast<std::int32_t>(c));
+    }
+    write_text_file(file, out);
+}
+
+}  // namespace
+
+bool is_vdb(const fs::path& file) {
+    return file.extension() == ".vdb" || file.extension() == ".VDB";
+}
+
+TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue, double max_megabytes,
+                              std::vector<std::string>& notes) {
+    std::error_code error;
+    const auto size = fs::file_size(file, error);
+    if (error)
+        throw ReadError(file, "it cannot be read (" + error.message() + ")", "check the path and its permissions");
+    if (static_cast<double>(size) > 1e6 * max_megabytes) {
+        throw ReadError(file, "the file is larger than the limit", "reduce the volume or raise --max-megabytes");
+    }
+    openvdb::initialize();
+    openvdb::FloatGrid::Ptr grid;
+    try {
+        openvdb::io::File in(file.string());
+        in.open(false);
+        const auto headers = in.readAllGridMetadata();
+        openvdb::GridBase::ConstPtr header;  // the first level set, else the first grid of numbers
+        for (const auto& candidate : *headers) {
+            if (!candidate->isType<openvdb::FloatGrid>() && !candidate->isType<openvdb::DoubleGrid>()) continue;
+            const bool is_level_set = candidate->getGridClass() == openvdb::GRID_LEVEL_SET;
+            if (!header || (is_level_set && header->getGridClass() != openvdb::GRID_LEVEL_SET)) header = candidate;
+        }
+        if (header) {
+            // What the file says of itself is looked at before its values are read.
+            if (const auto voxels = header->getMetadata<openvdb::Int64Metadata>("file_voxel_count")) {
+                if (voxels->value() > static_cast<std::int64_t>(largest_voxel_count)) {
+                    throw ReadError(file, "it has more voxels than 512 x 512 x 512", "resample the volume");
+                }
+            }
+            grid = float_grid(in.readGrid(header->getName()));
+            if (headers->size() > 1)
+                notes.push_back("Of " + std::to_string(headers->size()) + " grids, \"" + header->getName() +
+                                "\" was used.");
+        }
+    } catch (const ReadError&) {
+        throw;
+    } catch (const std::exception& e) {
+        throw ReadError(file, std::string("it cannot be read (") + e.what() + ")", "export or download the file again");
+    }
+    if (!grid) throw ReadError(file, "there is no grid of numbers in it", "save a level set or a density");
+    if (!grid->transform().isLinear()) throw ReadError(file, "its grid is not a regular one", "resample it");
+    const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+    if (box.empty()) throw ReadError(file, "its grid is empty", "export or download the file again");
+    if (box.volume() > largest_voxel_count) {
+        throw ReadError(file, "its grid spans more voxels than 512 x 512 x 512", "resample the volume");
+    }
+    const bool is_level_set = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
+    double value = is_level_set ? 0.0 : 0.5;
+    if (isovalue != "auto") TextScan::number(isovalue, value);
+    if (!is_level_set) {
+        float low = grid->background(), high = low;
+        for (auto it = grid->cbeginValueOn(); it; ++it) low = std::min(low, *it), high = std::max(high, *it);
+        if (!(low < value && value < high)) {
+            char text[96];
+            std::snprintf(text, sizeof text, "its values run from %g to %g, so there is no surface at %g", low, high,
+                          value);
+            throw ReadError(file, text, "choose --isovalue between them");
+        }
+    }
+    TriangleMesh mesh = surface_of(*grid, value);
+    if (signed_volume(mesh) < 0) {
+        for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    }
+    return mesh;
+}
+
+double value_at(const ScalarField<3>& field, const Vector3& x) {
+    const int n = field.grid.cells_per_axis();
+    std::array<int, 3> cell;
+    std::array<double, 3> t;
+    for (int a = 0; a < 3; ++a) {
+        const double p = std::clamp(x[a] * n, 0.0, static_cast<double>(n));
+        cell[a] = std::min(static_cast<int>(p), n - 1);
+        t[a] = p - cell[a];
+    }
+    double sum = 0.0;
+    for (int c = 0; c < 8; ++c) {
+        double weight = 1.0;
+        std::array<int, 3> node;
+        for (int a = 0; a < 3; ++a) {
+            const int up = c >> a & 1;
+            node[a] = cell[a] + up;
+            weight *= up ? t[a] : 1.0 - t[a];
+        }
+        if (weight > 0.0) sum += weight * field.values[field.grid.index(node)];
+    }
+    return sum;
+}
+
+void write_vdb(const fs::path& file, const LevelSet<3>& shape, const std::vector<NamedField>& fields) {
+    openvdb::initialize();
+    const int n = shape.grid.nodes_per_axis();
+    const double h = shape.grid.spacing();
+    const float band = static_cast<float>(4.0 * h);
+    const openvdb::CoordBBox nodes(openvdb::Coord(0), openvdb::Coord(n - 1));
+    const auto dense_copy = [&](const std::vector<float>& values, float background) {
+        auto grid = openvdb::FloatGrid::create(background);
+        const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(nodes, const_cast<float*>(values.data()));
+        openvdb::tools::copyFromDense(dense, *grid, 0.0F);
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+        return grid;
+    };
+    std::vector<float> outward(shape.values.size());
+    for (std::size_t i = 0; i < outward.size(); ++i)
+        outward[i] = std::clamp(static_cast<float>(-shape.values[i]), -band, band);
+    openvdb::GridPtrVec grids;
+    auto level_set = dense_copy(outward, band);
+    level_set->setGridClass(openvdb::GRID_LEVEL_SET);
+    level_set->setName("shape");
+    grids.push_back(level_set);
+    for (const auto& f : fields) {
+        std::vector<float> values(outward.size(), 0.0F);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (outward[i] < band) values[i] = static_cast<float>(f.field->values[i]);
+        }
+        auto grid = dense_copy(values, 0.0F);
+        grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+        grid->setName(f.name);
+        grids.push_back(grid);
+    }
+    try {
+        openvdb::io::File out(file.string());
+        out.write(grids);
+        out.close();
+    } catch (const openvdb::Exception&) {
+        throw WriteError(file);
+    }
+}
+
+void write_ply(const fs::path& file, const LevelSet<3>& shape, const std::vector<NamedField>& fields) {
+    const int n = shape.grid.nodes_per_axis();
+    const Lattice lattice{{n, n, n}, {0.0, 0.0, 0.0}, shape.grid.spacing()};
+    std::vector<float> values(shape.values.begin(), shape.values.end());
+    write_ply_content(file, isosurface(lattice, values), fields);
+}
+
+void write_ply(const fs::path& file, const TriangleMesh& mesh) {
+    write_ply_content(file, mesh, {});
+}
+
+}  // namespace morphodesic::datasets
