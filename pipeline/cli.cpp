@@ -199,6 +199,12 @@ void CommandLine::add_geodesic() {
     sub->add_option("a", pair.a, "first shape: a file")->required();
     sub->add_option("b", pair.b, "second shape: a file")->required();
     sub->add_option("--out", pair.out, "folder for the pictures of the path and geodesic.json")->option_text("FOLDER");
+    sub->add_option(
+           "--scale", pair.scale,
+           "lengths of the unit cube per pixel (per unit of a mesh), as the common-scale of a study; 0: the larger "
+           "shape just fits")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     add_common(sub, pair.common, true);
     add_settings(sub, pair.settings, true);
     sub->callback([this] { action = [this] { return pipeline::geodesic(pair); }; });

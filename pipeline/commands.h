@@ -36,6 +36,7 @@ struct PairOptions {
     CommonOptions common;
     std::filesystem::path a, b;
     std::filesystem::path out;  ///< folder for the pictures; empty: none are written
+    double scale = 0.0;         ///< for normalize common: cube units per file unit; 0: the larger shape just fits
     RunSettings settings;
 };
 

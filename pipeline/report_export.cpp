@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <ctime>
+#include <sstream>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands/summary.h"
@@ -12,6 +13,7 @@
 #include "pipeline/path_files.h"
 #include "pipeline/path_pictures.h"
 #include "pipeline/stop_signals.h"
+#include "reports/figures.h"
 #include "reports/report.h"
 
 namespace morphodesic::pipeline {
@@ -159,6 +161,25 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
     }
 }
 
+/// The options that lead from the preset to these settings, as words for the command line.
+std::vector<std::string> words_of(const RunSettings& settings) {
+    std::vector<std::string> lines[2];
+    const RunSettings preset = settings_of_preset(settings.preset);
+    for (const RunSettings* from : {&preset, &settings}) {
+        RunSettings::for_each_field(*from, [&](const char* name, const auto& value, const char*) {
+            std::ostringstream text;
+            text.precision(17);
+            text << std::boolalpha << value;
+            lines[from == &settings].push_back("--" + std::string(name) + "=" + text.str());
+        });
+    }
+    std::vector<std::string> words{"--preset=" + settings.preset};
+    for (std::size_t i = 0; i < lines[1].size(); ++i) {
+        if (lines[0][i] != lines[1][i]) words.push_back(lines[1][i]);
+    }
+    return words;
+}
+
 void add_provenance(const StudyData& data, const ResultStore& store, const StudyFolder& folder,
                     reports::ReportModel& model) {
     model.study = folder.path().filename().string();
@@ -168,6 +189,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
     model.study_folder = folder.path().string();
     if (const auto seconds = store.fact("seconds")) model.seconds = std::stod(*seconds);
     model.preset = data.settings.preset;
+    model.geodesic_options = words_of(data.settings);
     model.distance_unit = data.dimension == 2 ? "length of the unit cube" : "length^1.5 of the unit cube";
     const auto add = [&](const char* name, const auto& value, const char* help) {
         using Value = std::decay_t<decltype(value)>;
@@ -185,6 +207,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
     };
     RunSettings::for_each_field(data.settings, add);
     if (const auto scale = store.fact("common_scale"); scale && data.settings.normalize == "common") {
+        model.geodesic_options.push_back("--scale=" + *scale);
         model.settings.push_back(
             {"common-scale", *scale, "lengths of the unit cube per unit of the files, one for all"});
     }
@@ -200,6 +223,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
                    {"linkage.csv", "linkage.csv", "average linkage, rows as in SciPy"},
                    {"embedding.csv", "embedding.csv", "the map"},
                    {"report.json", "report.json", "everything in this report but the pictures"},
+                   {"figures/", "figures", "every figure as SVG, for print"},
                    {"study.sqlite", "study.sqlite", "the store: every result with its settings"}};
 }
 
@@ -219,6 +243,9 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     add_provenance(data, store, folder, analysed.model);
     folder.write("report.json", reports::to_json(analysed.model));
     folder.write("report.html", reports::render_html(analysed.model));
+    for (const reports::Figure& figure : reports::figures(analysed.model)) {
+        folder.write(std::filesystem::path("figures") / (figure.name + ".svg"), figure.svg);
+    }
     summarise(analysed.model, summary);
     summary.data["report"] = (folder.path() / "report.html").string();
     summary.lines.push_back("Report: " + (folder.path() / "report.html").string());

@@ -40,7 +40,13 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     placement.level = shape_level(Dim, options.settings.geodesic);
     if (placement.mode == "common") {
         const double radii[] = {raw_a.extent_radius, raw_b.extent_radius};
-        placement.scale = datasets::common_scale(radii);
+        const double fits = datasets::common_scale(radii);
+        placement.scale = options.scale > 0 ? options.scale : fits;
+        if (placement.scale > fits * (1 + 1e-12)) {
+            throw std::invalid_argument("at --scale " + std::to_string(options.scale) +
+                                        " a shape does not fit into the cube; the largest scale is " +
+                                        std::to_string(fits));
+        }
     }
     const auto a = placed<Dim>(raw_a, placement), b = placed<Dim>(raw_b, placement);
     GeodesicResult<Dim> path;

@@ -187,6 +187,23 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
     }
 }
 
+TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 4);
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
+    const json report = json::parse(read_file(folder / "disks.study/report.json"));
+    const json path = report["paths"][0];
+    std::vector<std::string> words{"geodesic", "--json"};
+    for (const char* end : {"a", "b"}) {
+        words.push_back(
+            (folder / "disks" / report["shapes"][path[end].get<std::size_t>()]["name"].get<std::string>()).string());
+    }
+    for (const auto& word : report["geodesic_options"]) words.push_back(word.get<std::string>());
+    const Outcome again = morphodesic(words);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(json::parse(again.out)["path_length"], path["path_length"]);
+}
+
 TEST(Geodesic, AShapeHasDistanceZeroToItself) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 1);
