@@ -174,14 +174,17 @@ Collection stored_collection(const ResultStore& store) {
     return collection;
 }
 
+void round_as_stored(std::vector<double>& values) {
+    for (double& x : values) x = static_cast<double>(static_cast<float>(x));
+}
+
 template <int Dim>
 ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index, const ResultStore& store) {
     const CollectionEntry& entry = collection.entries[index];
     ImportedShape<Dim> result{index, entry.row, entry.needs_import, nullptr, nullptr};
     const auto take = [&](LevelSet<Dim> level_set, ScalarField<Dim> mask) {
-        // The store keeps floats: a run that goes on must see the numbers of the run that began.
-        for (double& u : level_set.values) u = static_cast<double>(static_cast<float>(u));
-        for (double& chi : mask.values) chi = static_cast<double>(static_cast<float>(chi));
+        round_as_stored(level_set.values);
+        round_as_stored(mask.values);
         result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(level_set));
         if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
     };

@@ -56,6 +56,9 @@ template <int Dim>
 [[nodiscard]] ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
                                               const ResultStore& store);
 
+/// Rounds to the 32-bit floats that the store keeps: whoever computes with a shape sees the numbers of the store.
+void round_as_stored(std::vector<double>& values);
+
 /// Calls f.template operator()<2>() or <3>(): below this line everything is a template on the dimension.
 template <class F>
 auto with_dimension(int dimension, F&& f) {

@@ -19,6 +19,8 @@ namespace {
 template <int Dim>
 ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::NormalizeOptions& placement) {
     datasets::Shape<Dim> shape = datasets::normalize(raw, placement);
+    round_as_stored(shape.level_set.values);
+    round_as_stored(shape.occlusion_mask.values);
     ImportedShape<Dim> result;
     result.row.name = raw.source.path.string();
     result.row.content_digest = shape.digest;
