@@ -10,6 +10,7 @@
 #include "datasets/read_error.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/datasets.h"
+#include "pipeline/commands/figures.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
 #include "pipeline/study_folder.h"
@@ -25,6 +26,7 @@ struct CommandLine {
     StudyOptions study;
     PairOptions pair;
     DatasetOptions dataset;
+    FiguresOptions figures;
     std::string preset, config;
     std::function<int()> action;
 
@@ -38,6 +40,7 @@ private:
                            int (*function)(const StudyOptions&), bool from_files, bool computes);
     void add_geodesic();
     void add_datasets();
+    void add_figures();
 };
 
 std::string preset_help() {
@@ -106,6 +109,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
                       &pipeline::verify, false, false);
     add_geodesic();
     add_datasets();
+    add_figures();
 }
 
 CLI::App* CommandLine::command(const std::string& name, const std::string& help, const std::string& footer) {
@@ -217,6 +221,23 @@ void CommandLine::add_datasets() {
                             "  morphodesic datasets letters --help");
     sub->require_subcommand(1);
     add_dataset_kinds(*sub, dataset, [this](std::function<int()> generate) { action = std::move(generate); });
+}
+
+void CommandLine::add_figures() {
+    CLI::App* sub = command("figures", "compute the figures of the paper, with the numbers behind them.",
+                            "Figures:\n" + figures_help() +
+                                "Examples:\n"
+                                "  morphodesic figures --out figures          all; the page is figures/gallery.html\n"
+                                "  morphodesic figures 2 3 --quick            two of them, on coarse grids");
+    sub->add_option("figures", figures.keys, "which figures; default: all")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->option_text("KEY ...");
+    sub->add_option("--out", figures.out, "folder for pictures, tables and gallery.html")
+        ->option_text("FOLDER")
+        ->capture_default_str();
+    sub->add_flag("--quick", figures.quick, "coarse grids and few steps: a minute instead of a quarter of an hour");
+    add_common(sub, figures.common, true);
+    sub->callback([this] { action = [this] { return pipeline::figures(figures); }; });
 }
 
 /// Puts the options of the configuration file, if any, behind the name of the subcommand, so that those on the command

@@ -52,6 +52,23 @@ void Svg::polyline(const std::vector<std::pair<double, double>>& points, const s
              attribute("stroke-width", px(thickness)) + "/>\n";
 }
 
+void Svg::area(const std::vector<std::vector<std::pair<double, double>>>& loops, const std::string& fill,
+               const std::string& stroke, double thickness) {
+    std::string path;
+    for (const auto& loop : loops) {
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            path += (i == 0 ? "M" : "L") + px(loop[i].first) + " " + px(loop[i].second);
+        }
+        path += "Z";
+    }
+    body_ += "<path" + attribute("d", path) + attribute("fill", fill.empty() ? "none" : fill) +
+             attribute("fill-rule", "evenodd") +
+             (stroke.empty() ? ""
+                             : attribute("stroke", stroke) + attribute("stroke-width", px(thickness)) +
+                                   attribute("stroke-linejoin", "round")) +
+             "/>\n";
+}
+
 void Svg::text(double x, double y, const std::string& text, double size, const std::string& anchor,
                const std::string& colour, bool bold, const std::string& halo) {
     const std::string common = attribute("x", px(x)) + attribute("y", px(y + 0.35 * size)) +

@@ -17,6 +17,9 @@ public:
     void circle(double x, double y, double radius, const std::string& fill, const std::string& stroke = {},
                 double thickness = 1.5);
     void polyline(const std::vector<std::pair<double, double>>& points, const std::string& colour, double thickness);
+    /// Closed polygons as one area, holes by the even-odd rule. @param fill, stroke  empty: none
+    void area(const std::vector<std::vector<std::pair<double, double>>>& loops, const std::string& fill,
+              const std::string& stroke = {}, double thickness = 1);
     /// @param anchor "start", "middle" or "end"; y is the middle of the line
     /// @param halo   colour of a rim that keeps the text readable on lines
     void text(double x, double y, const std::string& text, double size = 11, const std::string& anchor = "start",

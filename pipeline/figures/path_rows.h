@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "datasets/drawing.h"
+#include "geodesic/discrete_geodesic.h"
+#include "pipeline/figures/canvas.h"
+#include "pipeline/figures/figure.h"
+
+namespace morphodesic::pipeline {
+
+/// Polygons as a shape on a grid fine enough for the geodesic and for smooth pictures; where it stands, not centred.
+[[nodiscard]] LevelSet<2> level_set_of(std::vector<datasets::Loop> polygons, const GeodesicOptions& options,
+                                       bool centred = true);
+
+/// A letter of a font as a shape, its height about 0.6. @throws datasets::ReadError without the font or the character
+[[nodiscard]] LevelSet<2> letter_shape(const std::string& character, const std::string& font,
+                                       const GeodesicOptions& options);
+
+/// Nodal dissipation rate (1) of every step, v = (phi_k - id) / tau; field k - 1 lives on shape k - 1.
+template <int Dim>
+[[nodiscard]] std::vector<ScalarField<Dim>> dissipation_rates(const GeodesicResult<Dim>& path);
+
+/// Panels side by side, one per shape of a path, in the figure from (x, y) on.
+struct Row {
+    double x = 10, y = 10, cell = 100, gap = 4, span = 0.8;
+    Point<2> centre{0.5, 0.5};
+    double aspect = 1.0;  ///< height of a panel / its width
+
+    [[nodiscard]] Panel panel(std::size_t k) const {
+        return {x + static_cast<double>(k) * (cell + gap), y, cell, cell * aspect, centre, span};
+    }
+};
+
+/// Shapes 0 .. K-1 coloured by dissipation with the common end of the scale `high`.
+void draw_dissipation(reports::Svg& svg, const Row& row, const GeodesicResult<2>& path,
+                      const std::vector<ScalarField<2>>& rates, double high);
+/// Level-line texture of shapes 0 .. K, with their contours.
+void draw_level_lines(reports::Svg& svg, const Row& row, const GeodesicResult<2>& path, double band);
+/// Shapes 0 .. K as areas.
+void draw_shapes(reports::Svg& svg, const Row& row, const std::vector<LevelSet<2>>& shapes, const std::string& fill);
+
+/// "length 0.347 (+- 0.01), min det 0.4": what a path amounts to, for captions.
+template <int Dim>
+[[nodiscard]] std::string path_summary(const GeodesicResult<Dim>& path);
+
+/// A check that the solve ended as it should and no step folds.
+template <int Dim>
+[[nodiscard]] FigureCheck solved(const std::string& what, const GeodesicResult<Dim>& path);
+
+/// One row per shape: step, area, perimeter, Euler number, parts, E_deform, E_match, length of the step that leads to
+/// it. Columns are set by the first call.
+template <int Dim>
+void add_path_numbers(FigureTable& table, const std::string& name, const GeodesicResult<Dim>& path);
+
+}  // namespace morphodesic::pipeline
