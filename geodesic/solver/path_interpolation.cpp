@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "geodesic/grid/q1_element.h"
 
@@ -18,6 +19,44 @@ Point<Dim> displacement_at(const Deformation<Dim>& phi, const std::type_identity
     Point<Dim> w{};
     for (std::size_t a = 0; a < Dim; ++a) w[a] = q1::value(phi.grid(), phi.displacement.components[a].data(), x);
     return w;
+}
+
+/// Solves (I + share Dw(x)) step = r with the gradient of the cell at x; r itself where that is singular.
+template <int Dim>
+Point<Dim> newton_step(const Deformation<Dim>& phi, const Point<Dim>& x, double share, const Point<Dim>& r) {
+    const auto& grid = phi.grid();
+    const auto at = q1::locate(grid, x);
+    const auto offsets = q1::corner_offsets(grid);
+    double m[Dim][Dim] = {};
+    for (int i = 0; i < Dim; ++i) {
+        const double* w = phi.displacement.components[static_cast<std::size_t>(i)].data();
+        for (int j = 0; j < Dim; ++j) {
+            for (int c = 0; c < (1 << Dim); ++c) {
+                m[i][j] += share * q1::shape_slope<Dim>(c, at.fraction, j) * grid.cells_per_axis() *
+                           w[at.node + offsets[static_cast<std::size_t>(c)]];
+            }
+        }
+        m[i][i] += 1.0;
+    }
+    Point<Dim> b = r;
+    for (int i = 0; i < Dim; ++i) {  // Gauss elimination with the largest pivot of the column
+        int pivot = i;
+        for (int k = i + 1; k < Dim; ++k) pivot = std::abs(m[k][i]) > std::abs(m[pivot][i]) ? k : pivot;
+        if (std::abs(m[pivot][i]) < 1e-8) return r;
+        std::swap(m[i], m[pivot]);
+        std::swap(b[static_cast<std::size_t>(i)], b[static_cast<std::size_t>(pivot)]);
+        for (int k = i + 1; k < Dim; ++k) {
+            const double f = m[k][i] / m[i][i];
+            for (int j = i; j < Dim; ++j) m[k][j] -= f * m[i][j];
+            b[static_cast<std::size_t>(k)] -= f * b[static_cast<std::size_t>(i)];
+        }
+    }
+    for (int i = Dim - 1; i >= 0; --i) {
+        double sum = b[static_cast<std::size_t>(i)];
+        for (int j = i + 1; j < Dim; ++j) sum -= m[i][j] * b[static_cast<std::size_t>(j)];
+        b[static_cast<std::size_t>(i)] = sum / m[i][i];
+    }
+    return b;
 }
 
 template <int Dim, class Body>
@@ -54,21 +93,35 @@ Moment moment(const GeodesicResult<Dim>& path, double t) {
 
 template <int Dim>
 Point<Dim> inverse_at(const Deformation<Dim>& phi, const std::type_identity_t<Point<Dim>>& y, double share) {
-    // Damped fixed point iteration: with the gradients of one step it contracts; where it does not, damping helps.
-    Point<Dim> x = y;
-    double last = 1e300, damping = 1.0;
-    for (int iteration = 0; iteration < 100; ++iteration) {
-        const Point<Dim> w = displacement_at(phi, x);
-        double change = 0.0;
-        Point<Dim> step{};
-        for (std::size_t a = 0; a < Dim; ++a) {
-            step[a] = y[a] - share * w[a] - x[a];
-            change = std::max(change, std::abs(step[a]));
+    const auto residual = [&](const Point<Dim>& at) {
+        const Point<Dim> w = displacement_at(phi, at);
+        Point<Dim> r{};
+        for (std::size_t a = 0; a < Dim; ++a) r[a] = y[a] - share * w[a] - at[a];
+        return r;
+    };
+    const auto size = [](const Point<Dim>& r) {
+        double sum = 0.0;
+        for (const double c : r) sum += c * c;
+        return sum;
+    };
+    // Fixed point iteration, damped so that the residual falls; where gradients are large it crawls, and Newton's
+    // method with the gradient of the cell takes over.
+    Point<Dim> x = y, r = residual(x);
+    for (int iteration = 0; iteration < 200 && size(r) > 1e-18; ++iteration) {
+        Point<Dim> step = r;
+        if (iteration >= 12) step = newton_step(phi, x, share, r);
+        bool lower = false;
+        for (double length = 1.0; length > 1e-3 && !lower; length *= 0.5) {
+            Point<Dim> next{};
+            for (std::size_t a = 0; a < Dim; ++a) next[a] = std::clamp(x[a] + length * step[a], 0.0, 1.0);
+            const Point<Dim> left = residual(next);
+            if (size(left) < size(r)) {
+                x = next;
+                r = left;
+                lower = true;
+            }
         }
-        if (change > last) damping = std::max(0.1, 0.5 * damping);
-        last = change;
-        for (std::size_t a = 0; a < Dim; ++a) x[a] = std::clamp(x[a] + damping * step[a], 0.0, 1.0);
-        if (change < 1e-9) break;
+        if (!lower && iteration >= 12) break;
     }
     return x;
 }

@@ -4,7 +4,8 @@
 
 namespace morphodesic {
 
-/// Where (id + share w) maps to y, w the displacement of phi; share in [0, 1]. Points stay in the cube.
+/// Where (id + share w) maps to y, w the displacement of phi; share in [0, 1]. Points stay in the cube. Where the
+/// interpolated map folds (large turns within one step) one of the points that come nearest to y is returned.
 template <int Dim>
 Point<Dim> inverse_at(const Deformation<Dim>& phi, const std::type_identity_t<Point<Dim>>& y, double share = 1.0);
 
