@@ -23,7 +23,8 @@ Point<Dim> displacement_at(const Deformation<Dim>& phi, const std::type_identity
 
 /// Solves (I + share Dw(x)) step = r with the gradient of the cell at x; r itself where that is singular.
 template <int Dim>
-Point<Dim> newton_step(const Deformation<Dim>& phi, const Point<Dim>& x, double share, const Point<Dim>& r) {
+Point<Dim> newton_step(const Deformation<Dim>& phi, const std::type_identity_t<Point<Dim>>& x, double share,
+                       const std::type_identity_t<Point<Dim>>& r) {
     const auto& grid = phi.grid();
     const auto at = q1::locate(grid, x);
     const auto offsets = q1::corner_offsets(grid);
