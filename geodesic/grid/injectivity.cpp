@@ -14,17 +14,8 @@ namespace morphodesic {
 
 namespace {
 
-/// det D phi at a point of the unit cell from the displacements of its corners.
 template <int Dim>
-double determinant(const double (&w)[Dim][1 << Dim], double inverse_h, const Point<Dim>& x) {
-    double a[Dim][Dim];
-    for (int i = 0; i < Dim; ++i) {
-        for (int j = 0; j < Dim; ++j) {
-            double slope = 0.0;
-            for (int c = 0; c < (1 << Dim); ++c) slope += q1::shape_slope<Dim>(c, x, j) * w[i][c];
-            a[i][j] = (i == j ? 1.0 : 0.0) + slope * inverse_h;
-        }
-    }
+double determinant_of(const double (&a)[Dim][Dim]) {
     if constexpr (Dim == 2) {
         return a[0][0] * a[1][1] - a[0][1] * a[1][0];
     } else {
@@ -33,25 +24,76 @@ double determinant(const double (&w)[Dim][1 << Dim], double inverse_h, const Poi
     }
 }
 
+/// The least det D phi at the corners of a cell; there D phi has the differences along the cell's edges as columns.
 template <int Dim>
 double least_corner(const double (&w)[Dim][1 << Dim], double inverse_h) {
     double least = std::numeric_limits<double>::infinity();
     for (int c = 0; c < (1 << Dim); ++c) {
-        Point<Dim> x{};
-        for (int a = 0; a < Dim; ++a) x[static_cast<std::size_t>(a)] = (c >> a & 1) ? 1.0 : 0.0;
-        least = std::min(least, determinant<Dim>(w, inverse_h, x));
+        double a[Dim][Dim];
+        for (int i = 0; i < Dim; ++i) {
+            for (int j = 0; j < Dim; ++j) {
+                a[i][j] = (i == j ? 1.0 : 0.0) + (w[i][c | (1 << j)] - w[i][c & ~(1 << j)]) * inverse_h;
+            }
+        }
+        const double det = determinant_of<Dim>(a);
+        if (!(det >= least)) least = det;  // keeps a NaN
     }
     return least;
 }
 
+/// Cheap lower bound: columns of B = D phi - I are convex combinations of edge differences, so with b the largest
+/// absolute row sum of these, every eigenvalue of B is at most b in size and det(I + B) >= (1 - b)^Dim for b < 1.
+template <int Dim>
+double quick_bound(const double (&w)[Dim][1 << Dim], double inverse_h) {
+    double b = 0.0;
+    const auto raise = [](double& value, double other) {  // the larger one, and NaN if either is
+        if (!(other <= value)) value = other;
+    };
+    for (int i = 0; i < Dim; ++i) {
+        double row = 0.0;
+        for (int j = 0; j < Dim; ++j) {
+            double most = 0.0;
+            for (int c = 0; c < (1 << Dim); ++c) {
+                if (!(c >> j & 1)) raise(most, std::abs(w[i][c | (1 << j)] - w[i][c]));
+            }
+            row += most * inverse_h;
+        }
+        raise(b, row);
+    }
+    return b < 1.0 ? std::pow(1.0 - b, Dim) : 0.0;
+}
+
 /// Least Bernstein coefficient of det over the box [low, low + size]^3 of the unit cell.
 double least_bernstein(const double (&w)[3][8], double inverse_h, const Point<3>& low, double size, int splits) {
+    // Column j of D phi does not depend on coordinate j and is linear in the two others: nine values each.
+    double column[3][3][3][3];  // [j][second coordinate][first coordinate][component]
+    for (int j = 0; j < 3; ++j) {
+        const int first = j == 0 ? 1 : 0, second = j == 2 ? 1 : 2;
+        double edge[4][3];
+        for (int e = 0; e < 4; ++e) {
+            const int c = ((e & 1) << first) | ((e >> 1) << second);
+            for (int i = 0; i < 3; ++i) {
+                edge[e][i] = (i == j ? 1.0 : 0.0) + (w[i][c | (1 << j)] - w[i][c]) * inverse_h;
+            }
+        }
+        for (int t = 0; t < 3; ++t) {
+            for (int s = 0; s < 3; ++s) {
+                const double x = low[static_cast<std::size_t>(first)] + 0.5 * s * size;
+                const double y = low[static_cast<std::size_t>(second)] + 0.5 * t * size;
+                for (int i = 0; i < 3; ++i) {
+                    column[j][t][s][i] =
+                        (1 - y) * ((1 - x) * edge[0][i] + x * edge[1][i]) + y * ((1 - x) * edge[2][i] + x * edge[3][i]);
+                }
+            }
+        }
+    }
     double f[3][3][3];
     for (int k = 0; k < 3; ++k) {
         for (int j = 0; j < 3; ++j) {
             for (int i = 0; i < 3; ++i) {
-                const Point<3> x{low[0] + 0.5 * i * size, low[1] + 0.5 * j * size, low[2] + 0.5 * k * size};
-                f[k][j][i] = determinant<3>(w, inverse_h, x);
+                const double *c0 = column[0][k][j], *c1 = column[1][k][i], *c2 = column[2][j][i];
+                f[k][j][i] = c0[0] * (c1[1] * c2[2] - c1[2] * c2[1]) - c0[1] * (c1[0] * c2[2] - c1[2] * c2[0]) +
+                             c0[2] * (c1[0] * c2[1] - c1[1] * c2[0]);
             }
         }
     }
@@ -87,14 +129,17 @@ void load_cell(const DyadicGrid<Dim>& grid, const View& displacement, std::size_
     }
 }
 
+/// Lower bound of det D phi in a cell, exact in 2D; where the cheap bound is at least `enough`, that one.
 template <int Dim, class View>
-double cell_bound(const DyadicGrid<Dim>& grid, const View& displacement, std::size_t node) {
+double cell_bound(const DyadicGrid<Dim>& grid, const View& displacement, std::size_t node, double enough) {
     double w[Dim][1 << Dim];
     load_cell(grid, displacement, node, w);
     const double inverse_h = grid.cells_per_axis();
     if constexpr (Dim == 2) {
         return least_corner<2>(w, inverse_h);
     } else {
+        const double quick = quick_bound<3>(w, inverse_h);
+        if (quick > 0 && quick >= enough) return quick;
         return least_bernstein(w, inverse_h, {0.0, 0.0, 0.0}, 1.0, 3);
     }
 }
@@ -122,7 +167,7 @@ std::vector<std::size_t> bad_cells(const DyadicGrid<Dim>& grid, const View& disp
     std::vector<std::vector<std::size_t>> per_row(static_cast<std::size_t>(grid.cells_per_axis()));
     for_rows(grid.cells_per_axis(), [&](int row) {
         for_cells_of_row(grid, row, [&](std::size_t node) {
-            if (!(cell_bound(grid, displacement, node) >= threshold))
+            if (!(cell_bound(grid, displacement, node, threshold) >= threshold))
                 per_row[static_cast<std::size_t>(row)].push_back(node);
         });
     });
@@ -155,7 +200,7 @@ double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>&
     for_rows(grid.cells_per_axis(), [&](int row) {
         double& bound = least[static_cast<std::size_t>(row)];
         for_cells_of_row(grid, row, [&](std::size_t node) {
-            const double here = cell_bound(grid, displacement, node);
+            const double here = cell_bound(grid, displacement, node, bound);
             if (!(here >= bound)) bound = here;
         });
     });
@@ -168,15 +213,20 @@ double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>&
 
 template <int Dim>
 std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
-    std::vector<double> least(grid.node_count(), std::numeric_limits<double>::infinity());
-    const auto offsets = q1::corner_offsets(grid);
-    q1::for_each_cell(grid, [&](std::size_t node) {
-        double w[Dim][1 << Dim];
-        load_cell(grid, displacement, node, w);
-        const double here = least_corner<Dim>(w, grid.cells_per_axis());
-        for (const std::size_t offset : offsets) least[node + offset] = std::min(least[node + offset], here);
+    std::vector<double> cell(grid.node_count(), std::numeric_limits<double>::infinity());  // at the cell's first node
+    for_rows(grid.cells_per_axis(), [&](int row) {
+        for_cells_of_row(grid, row, [&](std::size_t node) {
+            double w[Dim][1 << Dim];
+            load_cell(grid, displacement, node, w);
+            cell[node] = least_corner<Dim>(w, grid.cells_per_axis());
+        });
     });
-    return least;
+    // Axis after axis: the least of the two cells before and after the node.
+    std::size_t stride = 1;
+    for (int a = 0; a < Dim; ++a, stride *= static_cast<std::size_t>(grid.nodes_per_axis())) {
+        for (std::size_t i = cell.size(); i-- > stride;) cell[i] = std::min(cell[i], cell[i - stride]);
+    }
+    return cell;
 }
 
 template <int Dim>
@@ -225,7 +275,7 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
         }
         bad.clear();
         for (const std::size_t cell : cells) {
-            if (!(cell_bound(grid, displacement, cell) >= threshold)) bad.push_back(cell);
+            if (!(cell_bound(grid, displacement, cell, threshold) >= threshold)) bad.push_back(cell);
         }
     }
     while (!bad.empty()) {

@@ -1,51 +1,59 @@
 #include "geodesic/grid/transfer.h"
 
-#include <cassert>
+#include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 namespace morphodesic {
 
-namespace {
-
-/// Visits the pairs (coarse node, fine node, weight) of multilinear prolongation.
-template <int Dim, class Visitor>
-void for_each_weight(const DyadicGrid<Dim>& grid, Visitor&& visit) {
-    const DyadicGrid<Dim> fine(grid.level() + 1);
-    typename DyadicGrid<Dim>::Index i{};
-    for (std::size_t f = 0; f < fine.node_count(); ++f) {
-        for (int corner = 0; corner < (1 << Dim); ++corner) {
-            typename DyadicGrid<Dim>::Index c{};
-            double weight = 1.0;
-            bool used = true;
-            for (int a = 0; a < Dim; ++a) {
-                const int up = (corner >> a) & 1;
-                c[a] = i[a] / 2 + up;
-                if (i[a] & 1) {
-                    weight *= 0.5;
-                } else if (up) {
-                    used = false;
-                }
+template <int Dim, class Real>
+void add_prolonged(const DyadicGrid<Dim>& grid, const Real* coarse, Real* fine) {
+    const int n = grid.nodes_per_axis(), fine_n = 2 * n - 1;
+    const auto row = static_cast<std::ptrdiff_t>(n), fine_row = static_cast<std::ptrdiff_t>(fine_n);
+    std::vector<Real> line(static_cast<std::size_t>(n));
+    for (int z = 0; z < (Dim == 3 ? fine_n : 1); ++z) {
+        for (int y = 0; y < fine_n; ++y) {
+            // Mean of the coarse rows around this fine row: one, two or four of them.
+            const Real* low = coarse + ((z / 2) * row + y / 2) * row;
+            const Real* high = (y & 1) ? low + row : low;
+            const std::ptrdiff_t up = (z & 1) ? row * row : 0;
+            for (std::ptrdiff_t x = 0; x < row; ++x) {
+                line[static_cast<std::size_t>(x)] = Real(0.25) * ((low[x] + high[x]) + (low[x + up] + high[x + up]));
             }
-            if (used) visit(grid.index(c), f, weight);
+            Real* out = fine + (z * fine_row + y) * fine_row;
+            for (std::size_t x = 0; x + 1 < line.size(); ++x) {
+                out[2 * x] += line[x];
+                out[2 * x + 1] += Real(0.5) * (line[x] + line[x + 1]);
+            }
+            out[fine_n - 1] += line.back();
         }
-        for (int a = 0; a < Dim && ++i[a] == fine.nodes_per_axis(); ++a) i[a] = 0;
     }
 }
 
-}  // namespace
-
-template <int Dim>
-void prolong(const DyadicGrid<Dim>& grid, std::span<const double> coarse, std::span<double> fine) {
-    assert(coarse.size() == grid.node_count() && fine.size() == DyadicGrid<Dim>(grid.level() + 1).node_count());
-    for (double& v : fine) v = 0.0;
-    for_each_weight(grid, [&](std::size_t c, std::size_t f, double weight) { fine[f] += weight * coarse[c]; });
-}
-
-template <int Dim>
-void prolong_transposed(const DyadicGrid<Dim>& grid, std::span<const double> fine, std::span<double> coarse) {
-    assert(coarse.size() == grid.node_count() && fine.size() == DyadicGrid<Dim>(grid.level() + 1).node_count());
-    for (double& v : coarse) v = 0.0;
-    for_each_weight(grid, [&](std::size_t c, std::size_t f, double weight) { coarse[c] += weight * fine[f]; });
+template <int Dim, class Real>
+void restrict_residual(const DyadicGrid<Dim>& grid, const Real* fine, Real* coarse) {
+    const int n = grid.nodes_per_axis();
+    const auto row = static_cast<std::ptrdiff_t>(n), fine_row = static_cast<std::ptrdiff_t>(2 * n - 1);
+    std::fill(coarse, coarse + grid.node_count(), Real(0));
+    std::vector<Real> line(static_cast<std::size_t>(fine_row));
+    const int reach = Dim == 3 ? 1 : 0;
+    for (int z = Dim == 3 ? 1 : 0; z < (Dim == 3 ? n - 1 : 1); ++z) {
+        for (int y = 1; y < n - 1; ++y) {
+            // Weighted sum of the fine rows around this coarse row, then along the row.
+            std::fill(line.begin(), line.end(), Real(0));
+            for (int dz = -reach; dz <= reach; ++dz) {
+                for (int dy = -1; dy <= 1; ++dy) {
+                    const Real weight = (dy == 0 ? Real(1) : Real(0.5)) * (dz == 0 ? Real(1) : Real(0.5));
+                    const Real* from = fine + ((2 * z + dz) * fine_row + 2 * y + dy) * fine_row;
+                    for (std::ptrdiff_t x = 0; x < fine_row; ++x) line[static_cast<std::size_t>(x)] += weight * from[x];
+                }
+            }
+            Real* out = coarse + (z * row + y) * row;
+            for (std::size_t x = 1; x + 1 < static_cast<std::size_t>(n); ++x) {
+                out[x] = line[2 * x] + Real(0.5) * (line[2 * x - 1] + line[2 * x + 1]);
+            }
+        }
+    }
 }
 
 template <int Dim>
@@ -59,15 +67,19 @@ ScalarField<Dim> restricted(const ScalarField<Dim>& field, int level) {
         auto at = i;
         for (int& a : at) a *= factor;
         value = field.values[field.grid.index(at)];
-        for (int a = 0; a < Dim && ++i[a] == coarse.grid.nodes_per_axis(); ++a) i[a] = 0;
+        for (std::size_t a = 0; a < Dim && ++i[a] == coarse.grid.nodes_per_axis(); ++a) i[a] = 0;
     }
     return coarse;
 }
 
-template void prolong<2>(const DyadicGrid<2>&, std::span<const double>, std::span<double>);
-template void prolong<3>(const DyadicGrid<3>&, std::span<const double>, std::span<double>);
-template void prolong_transposed<2>(const DyadicGrid<2>&, std::span<const double>, std::span<double>);
-template void prolong_transposed<3>(const DyadicGrid<3>&, std::span<const double>, std::span<double>);
+#define MORPHODESIC_INSTANTIATE(Dim, Real)                                              \
+    template void add_prolonged<Dim, Real>(const DyadicGrid<Dim>&, const Real*, Real*); \
+    template void restrict_residual<Dim, Real>(const DyadicGrid<Dim>&, const Real*, Real*);
+MORPHODESIC_INSTANTIATE(2, double)
+MORPHODESIC_INSTANTIATE(3, double)
+MORPHODESIC_INSTANTIATE(2, float)
+MORPHODESIC_INSTANTIATE(3, float)
+#undef MORPHODESIC_INSTANTIATE
 template ScalarField<2> restricted<2>(const ScalarField<2>&, int);
 template ScalarField<3> restricted<3>(const ScalarField<3>&, int);
 

@@ -1,19 +1,18 @@
 #pragma once
 
-#include <span>
-
 #include "geodesic/grid/fields.h"
 
 namespace morphodesic {
 
-/// Multilinear prolongation to the next finer grid (level + 1): exact on multilinear functions.
-/// @param coarse [N of `grid`], fine [N of level + 1]
-template <int Dim>
-void prolong(const DyadicGrid<Dim>& grid, std::span<const double> coarse, std::span<double> fine);
+/// Multilinear prolongation P to the next finer grid (level + 1), exact on multilinear functions: fine += P coarse.
+/// Real is double or float.
+/// @param grid  the coarse grid; coarse [N of grid], fine [N of level + 1]
+template <int Dim, class Real>
+void add_prolonged(const DyadicGrid<Dim>& grid, const Real* coarse, Real* fine);
 
-/// Transpose of prolong: coarse = P^T fine, with `grid` the coarse grid.
-template <int Dim>
-void prolong_transposed(const DyadicGrid<Dim>& grid, std::span<const double> fine, std::span<double> coarse);
+/// Its transpose: coarse = P^T fine. At nodes on the boundary of the cube the result is 0 (Dirichlet).
+template <int Dim, class Real>
+void restrict_residual(const DyadicGrid<Dim>& grid, const Real* fine, Real* coarse);
 
 /// The field on a coarser level, by its values at the coarse nodes (they are nodes of the fine grid, too).
 /// @throws std::invalid_argument if level > field.grid.level()

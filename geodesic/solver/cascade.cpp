@@ -141,13 +141,13 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
 template <int Dim>
 PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
     PathState<Dim> fine{{DyadicGrid<Dim>(path.layout.grid.level() + 1), path.layout.time_steps}, {}};
-    fine.x.resize(fine.layout.size());
+    fine.x.assign(fine.layout.size(), 0.0);
     const std::size_t coarse_nodes = path.layout.nodes(), fine_nodes = fine.layout.nodes();
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(0, path.layout.field_count(), [&](int field) {
             const auto f = static_cast<std::size_t>(field);
-            prolong<Dim>(path.layout.grid, std::span(path.x).subspan(f * coarse_nodes, coarse_nodes),
-                         std::span(fine.x).subspan(f * fine_nodes, fine_nodes));
+            add_prolonged<Dim, double>(path.layout.grid, path.x.data() + f * coarse_nodes,
+                                       fine.x.data() + f * fine_nodes);
         });
     });
     folds = repair(fine);

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "geodesic/grid/transfer.h"
+
 namespace morphodesic {
 
 namespace {
@@ -12,69 +14,21 @@ constexpr int sweeps = 2;  // before and after the coarse correction
 constexpr float omega = 0.8F;
 constexpr int coarsest_level = 2, coarsest_sweeps = 12;
 
-/// coarse = factor * (transpose of multilinear prolongation) fine, at the interior nodes of the coarse grid, or at all
-/// nodes with weights that sum to one when `average` is set.
+/// Mean of the fine values around each coarse node, with the weights of multilinear prolongation.
 template <int Dim>
-void restrict_to(const DyadicGrid<Dim>& coarse_grid, const float* fine, float* coarse, bool average) {
+void average_to(const DyadicGrid<Dim>& coarse_grid, const float* fine, float* coarse) {
     const DyadicGrid<Dim> fine_grid(coarse_grid.level() + 1);
-    const int n = coarse_grid.nodes_per_axis(), fine_n = fine_grid.nodes_per_axis();
-    const int reach = Dim == 3 ? 1 : 0;
-    const auto fine_row = static_cast<std::ptrdiff_t>(fine_n);
-    std::size_t out = 0;
-    for (int z = 0; z < (Dim == 3 ? n : 1); ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x, ++out) {
-                const bool inside = x > 0 && y > 0 && x < n - 1 && y < n - 1 && (Dim == 2 || (z > 0 && z < n - 1));
-                if (!inside && !average) {
-                    coarse[out] = 0.0F;
-                    continue;
-                }
-                float sum = 0.0F, total = 0.0F;
-                for (int dz = -reach; dz <= reach; ++dz) {
-                    const int fz = 2 * z + dz;
-                    if (Dim == 3 && (fz < 0 || fz >= fine_n)) continue;
-                    for (int dy = -1; dy <= 1; ++dy) {
-                        const int fy = 2 * y + dy;
-                        if (fy < 0 || fy >= fine_n) continue;
-                        const float* row = fine + (fz * fine_row + fy) * fine_row;
-                        const float outer = (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F);
-                        for (int dx = -1; dx <= 1; ++dx) {
-                            const int fx = 2 * x + dx;
-                            if (fx < 0 || fx >= fine_n) continue;
-                            const float share = outer * (dx == 0 ? 1.0F : 0.5F);
-                            sum += share * row[fx];
-                            total += share;
-                        }
-                    }
-                }
-                coarse[out] = average ? sum / total : sum;
-            }
+    // P^T f at inner nodes sums 2^Dim shares; the boundary, where it is not defined, keeps the fine value.
+    restrict_residual<Dim, float>(coarse_grid, fine, coarse);
+    const float share = 1.0F / (1 << Dim);
+    for (std::size_t i = 0; i < coarse_grid.node_count(); ++i) {
+        auto at = coarse_grid.node(i);
+        bool inside = true;
+        for (int& c : at) {
+            inside = inside && c > 0 && c < coarse_grid.cells_per_axis();
+            c *= 2;
         }
-    }
-}
-
-/// fine += multilinear prolongation of coarse.
-template <int Dim>
-void prolong_add(const DyadicGrid<Dim>& coarse_grid, const float* coarse, float* fine) {
-    const int n = coarse_grid.nodes_per_axis(), fine_n = 2 * n - 1;
-    const auto row = static_cast<std::ptrdiff_t>(n), fine_row = static_cast<std::ptrdiff_t>(fine_n);
-    std::vector<float> line(static_cast<std::size_t>(n));
-    for (int z = 0; z < (Dim == 3 ? fine_n : 1); ++z) {
-        for (int y = 0; y < fine_n; ++y) {
-            const float* c00 = coarse + ((z / 2) * row + y / 2) * row;
-            const float* c10 = (y & 1) ? c00 + row : c00;
-            const std::ptrdiff_t up = (z & 1) ? row * row : 0;
-            for (int x = 0; x < n; ++x) {
-                line[static_cast<std::size_t>(x)] = 0.25F * (c00[x] + c10[x] + c00[x + up] + c10[x + up]);
-            }
-            float* out = fine + (z * fine_row + y) * fine_row;
-            for (int x = 0; x < n - 1; ++x) {
-                const auto i = static_cast<std::size_t>(x);
-                out[2 * x] += line[i];
-                out[2 * x + 1] += 0.5F * (line[i] + line[i + 1]);
-            }
-            out[fine_n - 1] += line[static_cast<std::size_t>(n - 1)];
-        }
+        coarse[i] = inside ? share * coarse[i] : fine[fine_grid.index(at)];
     }
 }
 
@@ -154,8 +108,8 @@ void VCycle<Dim>::set_operator(std::span<const float> weight, std::span<const fl
     std::copy(mass.begin(), mass.end(), levels_[0].mass.begin());
     build(levels_[0]);
     for (std::size_t l = 1; l < levels_.size(); ++l) {
-        restrict_to(levels_[l].grid, levels_[l - 1].weight.data(), levels_[l].weight.data(), true);
-        restrict_to(levels_[l].grid, levels_[l - 1].mass.data(), levels_[l].mass.data(), false);
+        average_to(levels_[l].grid, levels_[l - 1].weight.data(), levels_[l].weight.data());
+        restrict_residual<Dim, float>(levels_[l].grid, levels_[l - 1].mass.data(), levels_[l].mass.data());
         build(levels_[l]);
     }
 }
@@ -179,9 +133,9 @@ void VCycle<Dim>::cycle(std::size_t depth) {
     if (coarsest) return;
     Level& next = levels_[depth + 1];
     kernels::residual<Dim>(nodes, stencil, b, level.x.data() + pad, level.y.data() + pad);
-    restrict_to(next.grid, level.y.data() + pad, next.b.data() + next.padding, false);
+    restrict_residual<Dim, float>(next.grid, level.y.data() + pad, next.b.data() + next.padding);
     cycle(depth + 1);
-    prolong_add(next.grid, next.x.data() + next.padding, level.x.data() + pad);
+    add_prolonged<Dim, float>(next.grid, next.x.data() + next.padding, level.x.data() + pad);
     smooth(sweeps);
 }
 
