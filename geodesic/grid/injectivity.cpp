@@ -47,7 +47,7 @@ template <int Dim>
 double quick_bound(const double (&w)[Dim][1 << Dim], double inverse_h) {
     double b = 0.0;
     const auto raise = [](double& value, double other) {  // the larger one, and NaN if either is
-        if (!(other <= value)) value = other;
+        if (!(other <= value) && !std::isnan(value)) value = other;
     };
     for (int i = 0; i < Dim; ++i) {
         double row = 0.0;
