@@ -9,6 +9,7 @@
 
 #include "datasets/read_error.h"
 #include "pipeline/commands.h"
+#include "pipeline/commands/classify.h"
 #include "pipeline/commands/datasets.h"
 #include "pipeline/commands/figures.h"
 #include "pipeline/stop_signals.h"
@@ -25,6 +26,7 @@ struct CommandLine {
     CLI::App app{"Geodesics in shape space, and studies of shape collections made out of them."};
     StudyOptions study;
     PairOptions pair;
+    ClassifyCommandOptions classify;
     DatasetOptions dataset;
     FiguresOptions figures;
     std::string preset, config;
@@ -39,6 +41,7 @@ private:
     void add_study_command(const std::string& name, const std::string& help, const std::string& footer,
                            int (*function)(const StudyOptions&), bool from_files, bool computes);
     void add_geodesic();
+    void add_classify();
     void add_datasets();
     void add_figures();
 };
@@ -53,7 +56,7 @@ std::string preset_help() {
 }
 
 CommandLine::CommandLine(const RunSettings& defaults) {
-    study.settings = pair.settings = defaults;
+    study.settings = pair.settings = classify.settings = defaults;
     app.set_version_flag("--version", "morphodesic " MORPHODESIC_VERSION);
     app.require_subcommand(1);
     app.footer(
@@ -108,6 +111,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
                       "  morphodesic verify letters.study --sample 100 --seed 7 --json",
                       &pipeline::verify, false, false);
     add_geodesic();
+    add_classify();
     add_datasets();
     add_figures();
 }
@@ -214,6 +218,54 @@ void CommandLine::add_geodesic() {
     sub->callback([this] { action = [this] { return pipeline::geodesic(pair); }; });
 }
 
+void CommandLine::add_classify() {
+    CLI::App* sub = command(
+        "classify", "say what partly hidden shapes are, by their geodesics to templates of known classes.",
+        preset_help() +
+            "\nWhere a query is unknown is told by a picture NAME.mask.png beside it (white = hidden), by --mask, by\n"
+            "transparency or a colour (--occluder), by the border that cuts it off (--border hides) or by the holes of "
+            "a\n"
+            "scan. --mask auto estimates it. Templates are a folder of shapes or a study; defaults are those of the\n"
+            "study, for a folder those of the preset fast.\n"
+            "Examples:\n"
+            "  morphodesic classify query.png --templates letters\n"
+            "  morphodesic classify query.png --templates letters.study --occluder \"#808080\"\n"
+            "  morphodesic classify scans --templates feet --json | jq .accuracy     scans/truth.csv: file,label\n"
+            "  morphodesic classify photo.png --templates fish --mask auto --normalize each\n"
+            "  morphodesic classify --templates fish --leave-one-out                 how good are the templates?");
+    sub->add_option("queries", classify.queries, "files, or folders of which all shapes are queries")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_option("--templates", classify.templates, "folder of shapes of known classes, or a study")
+        ->required()
+        ->option_text("DIR|STUDY");
+    sub->add_option("--out", classify.out, "folder for the results; default: QUERY.classified")->option_text("FOLDER");
+    sub->add_option("--mask", classify.mask,
+                    "known (masks beside the queries, occluder, border), none (take the queries as they are), auto "
+                    "(estimate what is not known) or a mask image for the one query")
+        ->capture_default_str();
+    sub->add_option("--truth", classify.truth,
+                    "table file,label of the true classes; default: truth.csv in the folder of the queries")
+        ->option_text("FILE");
+    sub->add_flag("--leave-one-out", classify.leave_one_out, "classify every template by the others");
+    sub->add_option("--pictures", classify.pictures, "queries whose paths are drawn on the page")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    sub->add_option("--filmstrips", classify.filmstrips, "paths that are drawn for a query")
+        ->check(CLI::Range(0, 50))
+        ->capture_default_str();
+    add_common(sub, classify.common, true);
+    add_settings(sub, classify.settings, true);
+    ClassifyOptions::for_each_field(classify.classify, [&](const char* field, auto& value, const char* text) {
+        const std::string name = field;
+        if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) {
+            sub->add_flag("--" + name + ",!--no-" + name, value, text)->group("Classification");
+        } else {
+            sub->add_option("--" + name, value, text)->capture_default_str()->group("Classification");
+        }
+    });
+    sub->callback([this] { action = [this] { return pipeline::classify(classify); }; });
+}
+
 void CommandLine::add_datasets() {
     CLI::App* sub = command("datasets", "make a collection of shapes from formulas or installed fonts.",
                             "Examples:\n"
@@ -259,6 +311,10 @@ std::vector<std::string> with_config(std::vector<std::string> arguments) {
 /// Defaults of the second pass: the preset if one is named, else what the study was made with, else the standard.
 RunSettings defaults_after(const CommandLine& first) {
     if (!first.preset.empty()) return settings_of_preset(first.preset);
+    if (!first.classify.templates.empty()) {
+        const std::string text = stored_settings(first.classify.templates);
+        return text.empty() ? settings_of_preset("fast") : settings_from_text(text);
+    }
     if (first.study.collection.empty() && !first.study.study.empty()) {
         const std::string text = stored_settings(first.study.study);
         if (!text.empty()) return settings_from_text(text);
@@ -292,14 +348,17 @@ int parse_and_run(std::vector<std::string> arguments) {
         parse(first);
         CommandLine second(defaults_after(first));
         parse(second);
-        second.study.command = repeat;
+        second.study.command = second.classify.command = repeat;
         if (second.study.study.empty() && !second.study.collection.empty()) {
             second.study.study = StudyFolder::of_collection(second.study.collection).path();
         }
-        for (const RunSettings* settings : {&second.study.settings, &second.pair.settings}) {
+        for (const RunSettings* settings : {&second.study.settings, &second.pair.settings, &second.classify.settings}) {
             std::vector<std::string> problems = settings->problems();
             if (settings == &second.study.settings) {
                 const auto more = second.study.analysis.problems();
+                problems.insert(problems.end(), more.begin(), more.end());
+            } else if (settings == &second.classify.settings) {
+                const auto more = second.classify.classify.problems();
                 problems.insert(problems.end(), more.begin(), more.end());
             }
             for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";

@@ -51,10 +51,74 @@ int write(const DatasetOptions& options, const std::string& kind, const Generato
     return summary.print(options.common);
 }
 
+int write_queries(const DatasetOptions& options) {
+    datasets::ScanResult scan = datasets::scan_folder(options.source, {options.reading.labels});
+    std::vector<StudyFailure> failures;
+    for (const auto& problem : scan.problems) failures.push_back({"", "", problem.message()});
+    std::erase_if(scan.sources, [&](const datasets::ShapeSource& source) {
+        if (source.dimension == 2) return false;
+        failures.push_back({source.name, "", source.path.string() + ": is a 3D shape; pictures only can be occluded"});
+        return true;
+    });
+    if (scan.sources.empty()) throw std::invalid_argument(options.source.string() + ": no pictures to occlude");
+    fs::path from = options.source;
+    if (from.filename().empty()) from = from.parent_path();
+    const fs::path folder = options.out.empty() ? fs::path(from.string() + ".occluded") : options.out;
+    const datasets::OcclusionSummary written =
+        datasets::write_occluded(scan.sources, folder, options.occlusion, options.reading.import);
+    for (const auto& problem : written.problems) failures.push_back({"", "", problem.message()});
+    Summary summary;
+    summary.data = {{"folder", folder.string()}, {"queries", written.queries}};
+    summary.lines.push_back(std::to_string(written.queries) + " queries with masks and truth.csv in " +
+                            folder.string());
+    summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
+                            options.source.string());
+    if (written.queries == 0) summary.exit_code = bad_usage;
+    summary.add_failures(failures);
+    return summary.print(options.common);
+}
+
+void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
+                 const std::function<void(std::function<int()>)>& choose) {
+    CLI::App* sub = datasets_command.add_subcommand("occlude", "hide parts of shapes, to make queries for classify");
+    sub->footer(
+        "Examples:\n"
+        "  morphodesic datasets occlude fish --fraction 0.3 --kind half-plane --seed 1 --out queries\n"
+        "  morphodesic datasets occlude fish --kind limb --fraction 0.15 --per-shape 4");
+    sub->add_option("folder", options.source, "folder of the shapes")->required();
+    sub->add_option("--out", options.out, "folder of the queries; default: FOLDER.occluded")->option_text("FOLDER");
+    sub->add_option("--fraction", options.occlusion.fraction, "share of the shape's area to hide")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    sub->add_option("--kind", options.occlusion.kind, "half-plane, disk, stripe or limb")
+        ->check(CLI::IsMember({"half-plane", "disk", "stripe", "limb"}))
+        ->capture_default_str();
+    sub->add_option("--seed", options.occlusion.seed, "another seed, other queries")->capture_default_str();
+    sub->add_option("--per-shape", options.occlusion.per_shape, "queries made from every shape")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    sub->add_flag("--largest-part", options.occlusion.largest_part, "hide all of what is left but its largest part");
+    sub->add_option("--labels", options.reading.labels, "where labels come from: auto, csv, folder, name or none")
+        ->capture_default_str();
+    sub->add_option("--foreground", options.reading.import.foreground, "pixels that are the object")
+        ->check(CLI::IsMember({"auto", "dark", "light", "alpha"}))
+        ->capture_default_str();
+    sub->add_flag("--json", options.common.json, "print the summary as one JSON object on standard output");
+    sub->add_flag("--quiet", options.common.quiet, "no summary in words");
+    sub->callback([choose, &options] {
+        choose([&options] {
+            const auto problems = options.occlusion.problems();
+            if (!problems.empty()) throw std::invalid_argument(problems.front());
+            return write_queries(options);
+        });
+    });
+}
+
 }  // namespace
 
 void add_dataset_kinds(CLI::App& datasets_command, DatasetOptions& options,
                        const std::function<void(std::function<int()>)>& choose) {
+    add_occlude(datasets_command, options, choose);
     for (const Kind& kind : kinds()) {
         CLI::App* sub = datasets_command.add_subcommand(kind.name, kind.help);
         const std::string name = kind.name;

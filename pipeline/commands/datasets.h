@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "datasets/occlude.h"
 #include "datasets/synthetic.h"
 #include "pipeline/commands.h"
 
@@ -17,10 +18,13 @@ struct DatasetOptions {
     std::filesystem::path out;  ///< folder of the collection
     int side = 256;             ///< width and height of the pictures, pixels
     datasets::CollectionOptions collection;
+    std::filesystem::path source;  ///< occlude: folder of the shapes
+    datasets::OcclusionOptions occlusion;
+    RunSettings reading;               ///< occlude: labels and how the shapes are read
     datasets::LettersOptions letters;  ///< its count, variation and seed are those of `collection`
 };
 
-/// Adds letters, bars, dumbbells, disks and matchstick to `datasets`; the one that is parsed hands its work to
+/// Adds letters, bars, dumbbells, disks, matchstick and occlude to `datasets`; the one that is parsed hands its work to
 /// `choose`.
 void add_dataset_kinds(CLI::App& datasets_command, DatasetOptions& options,
                        const std::function<void(std::function<int()>)>& choose);

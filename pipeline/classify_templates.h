@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/import.h"
+#include "pipeline/classify_distance.h"
+#include "pipeline/run_settings.h"
+
+namespace morphodesic::pipeline {
+
+/// Complete shapes of known classes, and how queries are to be read and placed to be comparable with them.
+template <int Dim>
+struct TemplateSet {
+    std::vector<std::shared_ptr<const ComparedShape<Dim>>> shapes;  ///< sorted by name
+    datasets::ImportOptions import;
+    datasets::NormalizeOptions placement;
+    std::vector<std::string> remarks;   ///< what a user should know, one sentence each
+    std::vector<std::string> problems;  ///< files that could not be used, in words
+};
+
+/// True for a study folder.
+[[nodiscard]] bool is_study(const std::filesystem::path& folder);
+
+/// Dimension of the shapes in a study or folder. @throws datasets::ReadError, StoreError
+[[nodiscard]] int template_dimension(const std::filesystem::path& folder, const RunSettings& settings);
+
+/// Takes the templates from the store of a study, or reads a folder.
+/// @param settings  of a folder; a study has its own way of reading and placing, only the solver's level is used
+/// @throws datasets::ReadError, StoreError, std::invalid_argument if there are no templates
+template <int Dim>
+[[nodiscard]] TemplateSet<Dim> load_templates(const std::filesystem::path& folder, const RunSettings& settings);
+
+/// Reads and places one query. @throws datasets::ReadError
+/// @param ignore_mask  take the picture as it is, whatever is known to be hidden
+template <int Dim>
+[[nodiscard]] ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const TemplateSet<Dim>& templates,
+                                            const datasets::ImportOptions& import, bool ignore_mask);
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,467 @@
+// classify QUERY... --templates DIR|STUDY
+#include "pipeline/commands/classify.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "analysis/k_medoids.h"
+#include "pipeline/classify_results.h"
+#include "pipeline/classify_screening.h"
+#include "pipeline/classify_templates.h"
+#include "pipeline/collection.h"
+#include "pipeline/commands/summary.h"
+#include "pipeline/stop_signals.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool stopped() {
+    return StopSignals::caught() != 0;
+}
+
+/// The queries that were named, with what is known of their classes.
+struct QueryList {
+    std::vector<datasets::ShapeSource> sources;  ///< label: the true class, empty if unknown
+    std::vector<StudyFailure> failures;
+    std::vector<std::string> remarks;
+};
+
+void apply_truth(const std::map<std::string, std::string>& truth, std::vector<datasets::ShapeSource>& sources,
+                 std::size_t first, std::vector<std::string>& remarks) {
+    long unknown = 0;
+    for (std::size_t i = first; i < sources.size(); ++i) {
+        const auto found = truth.find(sources[i].name);
+        sources[i].label = found == truth.end() ? "" : found->second;
+        unknown += found == truth.end() ? 1 : 0;
+    }
+    if (unknown > 0) remarks.push_back(std::to_string(unknown) + " queries are not in the table of true classes.");
+}
+
+QueryList list_queries(const ClassifyCommandOptions& options) {
+    QueryList list;
+    std::optional<std::map<std::string, std::string>> truth;
+    if (!options.truth.empty()) truth = datasets::read_labels(options.truth);
+    for (const fs::path& query : options.queries) {
+        const std::size_t first = list.sources.size();
+        if (fs::is_directory(query)) {
+            datasets::ScanResult scan = datasets::scan_folder(query, {options.settings.labels});
+            for (const auto& problem : scan.problems) list.failures.push_back({"", "", problem.message()});
+            for (auto& source : scan.sources) list.sources.push_back(std::move(source));
+            std::error_code error;
+            if (!truth && fs::exists(query / "truth.csv", error)) {
+                apply_truth(datasets::read_labels(query / "truth.csv"), list.sources, first, list.remarks);
+            }
+        } else {
+            try {
+                list.sources.push_back(datasets::single_source(query));
+            } catch (const datasets::ReadError& error) {
+                list.failures.push_back({query.string(), "", error.what()});
+                continue;
+            }
+        }
+        if (truth) apply_truth(*truth, list.sources, first, list.remarks);
+    }
+    if (options.mask != "known" && options.mask != "none" && options.mask != "auto") {
+        if (list.sources.size() != 1) {
+            throw std::invalid_argument("--mask " + options.mask +
+                                        ": one mask image belongs to one query; for many queries put NAME.mask.png "
+                                        "beside each NAME, or use --mask auto");
+        }
+        if (!fs::exists(options.mask)) {
+            throw datasets::ReadError(options.mask, "there is no such mask",
+                                      "name a picture (white = hidden), or known, none or auto");
+        }
+        list.sources.front().mask_path = options.mask;
+    }
+    return list;
+}
+
+template <int Dim>
+double turn_degrees(const RigidMotion<Dim>& motion) {
+    double trace = 0.0;
+    for (std::size_t a = 0; a < Dim; ++a) trace += motion.rotation[a * Dim + a];
+    const double cosine = std::clamp(Dim == 2 ? trace / 2 : (trace - 1) / 2, -1.0, 1.0);
+    return std::acos(cosine) * 180 / std::numbers::pi;
+}
+
+template <int Dim>
+class Classifier {
+public:
+    Classifier(const ClassifyCommandOptions& options, Progress& progress)
+        : options_(options), progress_(progress), set_(load_templates<Dim>(options.templates, options.settings)) {
+        for (const std::string& problem : set_.problems) run.failures.push_back({"", "", problem});
+        run.remarks = set_.remarks;
+        for (const auto& shape : set_.shapes) classes_.push_back(shape->label);
+        run.templates = options.templates.string();
+        run.options = options.classify;
+        run.geodesic = options.settings.geodesic;
+        run.preset = options.settings.preset;
+        run.normalize = set_.placement.mode;
+        run.mask = options.mask;
+        ranking_.neighbours = static_cast<std::size_t>(options.classify.neighbours);
+        ranking_.false_rejection = options.classify.false_rejection;
+        ranking_.least_confidence = options.classify.least_confidence;
+    }
+
+    /// Classifies the templates themselves, each against the others: the distances from which confidences and the
+    /// reject option come.
+    void learn_from_templates() {
+        const int per_class = options_.classify.templates_per_class;
+        if (!options_.classify.calibrate && !options_.leave_one_out && per_class == 0) return finish_templates();
+        const std::size_t n = set_.shapes.size();
+        progress_.message("classifying " + std::to_string(n) + " templates against each other");
+        std::vector<std::vector<TemplateResult<Dim>>> rows(n);
+        ClassifyOptions classify = options_.classify;
+        // Medoids and tables of hits need all distances alike.
+        if (per_class > 0 || options_.leave_one_out) classify.screening = false;
+        const double begin = now();
+        count(n, [&](std::size_t i) {
+            try {
+                const PartialMatcher<Dim> matcher(set_.shapes[i], classify, set_.placement.mode,
+                                                  options_.settings.geodesic.align, options_.mask == "auto");
+                rows[i] =
+                    compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic, classify, stopped, i);
+            } catch (const std::exception& error) {
+                const std::scoped_lock lock(mutex_);
+                run.failures.push_back({set_.shapes[i]->name, "", set_.shapes[i]->name + ": " + error.what()});
+            }
+        });
+        loo_seconds_ = now() - begin;
+        loo_rows_ = rows;
+        std::vector<std::string> names;
+        for (const auto& shape : set_.shapes) names.push_back(shape->name);
+        distances_ = analysis::DistanceMatrix(names);
+        struct Cell {
+            double distance = analysis::missing;
+            int quality = -1;
+        };
+        std::map<std::pair<std::size_t, std::size_t>, Cell> cells;
+        for (std::size_t i = 0; i < n; ++i) {
+            for (const auto& r : rows[i]) {
+                if (std::isnan(r.distance)) continue;
+                Cell& cell = cells[std::minmax(i, r.item)];
+                const int quality = r.refined ? 2 : 1;
+                if (quality > cell.quality) {
+                    cell = {r.distance, quality};
+                } else if (quality == cell.quality) {
+                    cell.distance = 0.5 * (cell.distance + r.distance);
+                }
+            }
+        }
+        for (const auto& [pair, cell] : cells) distances_.set(pair.first, pair.second, cell.distance);
+        if (per_class > 0) keep_medoids(static_cast<std::size_t>(per_class));
+        if (options_.classify.calibrate) run.calibration = analysis::calibrate(distances_, classes_, ranking_);
+        finish_templates();
+    }
+
+    /// The templates' own results as queries.
+    void leave_one_out() {
+        run.retrieval = analysis::retrieval(distances_, classes_);
+        run.seconds = loo_seconds_;
+        for (std::size_t i = 0; i < set_.shapes.size(); ++i) {
+            run.queries.push_back(result_of(*set_.shapes[i], loo_rows_[i]));
+            run.queries.back().truth = set_.shapes[i]->label;
+        }
+    }
+
+    void classify_queries(const QueryList& list) {
+        const double begin = now();
+        progress_.message("classifying " + std::to_string(list.sources.size()) + " queries");
+        run.queries.resize(list.sources.size());
+        count(list.sources.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.sources[i]); });
+        run.seconds = now() - begin;
+        for (const QueryResult& query : run.queries) {
+            if (!query.problem.empty()) run.failures.push_back({query.name, "", query.problem});
+        }
+    }
+
+    [[nodiscard]] const TemplateSet<Dim>& templates() const { return set_; }
+
+    ClassificationRun run;
+
+private:
+    template <class Body>
+    void count(std::size_t n, const Body& body) {
+        std::atomic<std::size_t> done{0};
+        std::atomic<double> shown{now()};
+        tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
+            if (stopped()) return;
+            tbb::this_task_arena::isolate([&] { body(i); });
+            const std::size_t finished = ++done;
+            double before = shown.load();
+            if (now() - before > 10.0 && shown.compare_exchange_strong(before, now())) {
+                progress_.message("  " + std::to_string(finished) + " of " + std::to_string(n));
+            }
+        });
+    }
+
+    void keep_medoids(std::size_t per_class) {
+        std::set<std::size_t> kept;
+        for (const auto& known : analysis::class_counts(classes_)) {
+            std::vector<std::size_t> members;
+            for (std::size_t i = 0; i < classes_.size(); ++i) {
+                if (classes_[i] == known.name) members.push_back(i);
+            }
+            if (members.size() <= per_class) {
+                kept.insert(members.begin(), members.end());
+                continue;
+            }
+            for (const std::size_t m : analysis::k_medoids(distances_.subset(members), per_class).medoids) {
+                kept.insert(members[m]);
+            }
+        }
+        const std::vector<std::size_t> items(kept.begin(), kept.end());
+        std::vector<std::shared_ptr<const ComparedShape<Dim>>> shapes;
+        std::vector<std::string> classes;
+        for (const std::size_t i : items) {
+            shapes.push_back(set_.shapes[i]);
+            classes.push_back(classes_[i]);
+        }
+        run.remarks.push_back(std::to_string(items.size()) + " medoids stand for " +
+                              std::to_string(set_.shapes.size()) + " templates.");
+        distances_ = distances_.subset(items);
+        set_.shapes = std::move(shapes);
+        classes_ = std::move(classes);
+    }
+
+    void finish_templates() {
+        run.template_count = set_.shapes.size();
+        for (const auto& known : analysis::class_counts(classes_)) run.classes.push_back(known.name);
+    }
+
+    QueryResult classify_one(const datasets::ShapeSource& source) const {
+        QueryResult result;
+        result.name = source.name;
+        result.truth = source.label;
+        const double begin = now();
+        try {
+            if (source.dimension != Dim) {
+                throw datasets::ReadError(source.path, "the templates are of another dimension",
+                                          "compare images with images and 3D shapes with 3D shapes");
+            }
+            const bool ignore = options_.mask == "none";
+            auto query = std::make_shared<ComparedShape<Dim>>(load_query<Dim>(source, set_, reading(), ignore));
+            const PartialMatcher<Dim> matcher(query, options_.classify, set_.placement.mode,
+                                              options_.settings.geodesic.align, options_.mask == "auto");
+            const auto rows = compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic,
+                                                          options_.classify, stopped);
+            result = result_of(*query, rows);
+            result.truth = source.label;
+        } catch (const std::bad_alloc&) {
+            result.problem = source.path.string() + ": not enough memory; choose a lower --level";
+        } catch (const datasets::ReadError& error) {
+            result.problem = error.what();
+        } catch (const std::invalid_argument& error) {
+            result.problem = source.path.string() + ": " + error.what();
+        }
+        result.seconds = now() - begin;
+        return result;
+    }
+
+    /// How queries are read: as the templates, but with their own occluder and border.
+    datasets::ImportOptions reading() const {
+        datasets::ImportOptions reading = set_.import;
+        reading.occluder = options_.settings.import.occluder;
+        reading.border = options_.settings.import.border;
+        return reading;
+    }
+
+    QueryResult result_of(const ComparedShape<Dim>& query, const std::vector<TemplateResult<Dim>>& rows) const {
+        QueryResult result;
+        result.name = query.name;
+        result.notes = query.notes;
+        std::vector<double> distances(set_.shapes.size(), analysis::missing);
+        std::vector<double> errors(set_.shapes.size(), analysis::missing);
+        std::vector<const TemplateResult<Dim>*> order;
+        for (const auto& row : rows) {
+            distances[row.item] = row.distance;
+            errors[row.item] = row.error;
+            if (!std::isnan(row.distance)) order.push_back(&row);
+        }
+        result.answer =
+            analysis::classify(distances, classes_, ranking_, run.calibration ? &*run.calibration : nullptr, errors);
+        std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) {
+            if (a->distance != b->distance) return a->distance < b->distance;
+            return a->refined && !b->refined;
+        });
+        for (const auto* row : order) {
+            const auto& shape = *set_.shapes[row->item];
+            result.templates.push_back({shape.name, shape.label, row->distance, row->error, row->refined,
+                                        row->measured.level, row->measured.time_steps,
+                                        turn_degrees(row->start.motion.motion), row->start.motion.scale,
+                                        to_string(row->start.hypothesis), row->start.hidden_share});
+        }
+        result.mask = !query.mask.values.empty() ? "known" : "none";
+        if (!order.empty() && order.front()->start.hypothesis != Hypothesis::complete &&
+            order.front()->start.hypothesis != Hypothesis::known) {
+            result.mask = "estimated";
+            result.notes.push_back(std::string("No mask was known; it was estimated that ") +
+                                   to_string(order.front()->start.hypothesis) + ".");
+        }
+        return result;
+    }
+
+    const ClassifyCommandOptions& options_;
+    Progress& progress_;
+    TemplateSet<Dim> set_;
+    std::vector<std::string> classes_;
+    analysis::ClassifyOptions ranking_;
+    analysis::DistanceMatrix distances_;
+    std::vector<std::vector<TemplateResult<Dim>>> loo_rows_;
+    double loo_seconds_ = 0.0;
+    std::mutex mutex_;
+};
+
+fs::path results_folder(const ClassifyCommandOptions& options) {
+    if (!options.out.empty()) return options.out;
+    fs::path first = options.queries.empty() ? options.templates : options.queries.front();
+    if (first.filename().empty()) first = first.parent_path();
+    return first.parent_path() / (first.stem().string() + ".classified");
+}
+
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
+    return text;
+}
+
+void say(const ClassificationRun& run, Summary& summary) {
+    constexpr std::size_t shown = 40;
+    std::size_t said = 0;
+    for (const QueryResult& q : run.queries) {
+        if (!q.problem.empty() || run.retrieval) continue;
+        if (++said > shown) continue;
+        const auto& a = q.answer;
+        std::string line = q.name + ": ";
+        if (a.rejection == analysis::Rejection::accepted) {
+            line += a.label;
+        } else {
+            line += "none of these (" + std::string(analysis::to_string(a.rejection)) +
+                    (a.label.empty() ? "" : "; nearest is " + a.label) + ")";
+        }
+        if (!std::isnan(a.confidence)) line += ", confidence " + percent(a.confidence);
+        if (!q.templates.empty()) {
+            char text[200];
+            std::snprintf(text, sizeof text, ", distance %.4g to ", q.templates.front().distance);
+            line += text + q.templates.front().name;
+        }
+        if (!q.truth.empty()) line += a.label == q.truth ? " (right)" : " (truth: " + q.truth + ")";
+        summary.lines.push_back(line);
+        for (const std::string& note : q.notes) {
+            if (note.find("estimated") != std::string::npos) summary.lines.push_back("    " + note);
+        }
+    }
+    if (said > shown) summary.lines.push_back("and " + std::to_string(said - shown) + " more");
+    char text[240];
+    if (run.labelled > 0) {
+        std::snprintf(text, sizeof text, "right: %ld of %ld (%s); accepted %ld, of these right %ld", run.right,
+                      run.labelled, percent(static_cast<double>(run.right) / static_cast<double>(run.labelled)).c_str(),
+                      run.accepted, run.accepted_right);
+        summary.lines.emplace_back(text);
+    }
+    if (run.foreign > 0) {
+        std::snprintf(text, sizeof text, "of no template's class: %ld, rejected %ld", run.foreign,
+                      run.foreign_rejected);
+        summary.lines.emplace_back(text);
+    }
+    if (run.calibration) {
+        summary.lines.push_back("templates among each other: " + std::to_string(run.calibration->right) + " of " +
+                                std::to_string(run.calibration->queries) + " right");
+    }
+    if (run.retrieval) {
+        std::string line = "hits at rank 1 to 10 (of " + std::to_string(run.retrieval->queries) + "):";
+        for (const double hits : run.retrieval->hits_at_rank) {
+            std::snprintf(text, sizeof text, " %.4g", hits);
+            line += text;
+        }
+        summary.lines.push_back(line);
+    }
+    std::snprintf(text, sizeof text, "%zu queries in %s, %.3g a second", run.queries.size(),
+                  duration_text(run.seconds).c_str(),
+                  static_cast<double>(run.queries.size()) / std::max(run.seconds, 1e-9));
+    summary.lines.emplace_back(text);
+}
+
+template <int Dim>
+int execute(const ClassifyCommandOptions& options, const QueryList& list, Progress& progress) {
+    Classifier<Dim> classifier(options, progress);
+    ClassificationRun& run = classifier.run;
+    run.failures.insert(run.failures.end(), list.failures.begin(), list.failures.end());
+    run.remarks.insert(run.remarks.end(), list.remarks.begin(), list.remarks.end());
+    classifier.learn_from_templates();
+    if (options.leave_one_out) {
+        classifier.leave_one_out();
+    } else {
+        classifier.classify_queries(list);
+    }
+    if (stopped()) {
+        std::cerr << "morphodesic: stopped; nothing was written\n";
+        return 128 + StopSignals::caught();
+    }
+    run.evaluate();
+    const StudyFolder folder(results_folder(options));
+    folder.create();
+    Summary summary;
+    summary.data = to_json(run);
+    folder.write("classification.csv", queries_csv(run));
+    folder.write("ranking.csv", ranking_csv(run));
+    for (const std::string& remark : run.remarks) summary.lines.push_back(remark);
+    say(run, summary);
+    summary.lines.push_back("results: " + folder.path().string());
+    summary.data["results"] = folder.path().string();
+    const bool any =
+        std::any_of(run.queries.begin(), run.queries.end(), [](const QueryResult& q) { return q.problem.empty(); });
+    if (!any) summary.exit_code = bad_usage;
+    summary.add_failures(run.failures);
+    folder.write("classification.json",
+                 summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    return summary.print(options.common);
+}
+
+}  // namespace
+
+int classify(const ClassifyCommandOptions& options) {
+    const auto threads = static_cast<std::size_t>(thread_count(options.common));
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    if (options.queries.empty() && !options.leave_one_out) {
+        throw std::invalid_argument("no query; name files or a folder, or --leave-one-out to test the templates");
+    }
+    if (!fs::is_directory(options.templates)) {
+        throw std::invalid_argument(options.templates.string() +
+                                    (fs::exists(options.templates)
+                                         ? ": is a file; --templates wants a folder of shapes or a study"
+                                         : ": there is no such folder of templates"));
+    }
+    QueryList list;
+    if (!options.leave_one_out) list = list_queries(options);
+    Progress progress(Progress::style_of_stderr(options.common.quiet));
+    if (!options.leave_one_out && list.sources.empty()) {
+        for (const StudyFailure& failure : list.failures) std::cerr << "morphodesic: " << failure.reason << "\n";
+        std::cerr << "morphodesic: there is no query that can be used\n";
+        return bad_usage;
+    }
+    tbb::task_arena arena(static_cast<int>(threads));
+    return arena.execute([&] {
+        return with_dimension(template_dimension(options.templates, options.settings),
+                              [&]<int Dim>() { return execute<Dim>(options, list, progress); });
+    });
+}
+
+}  // namespace morphodesic::pipeline
