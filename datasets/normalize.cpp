@@ -18,6 +18,38 @@ std::string percent(double share) {
     return text;
 }
 
+/// Pieces of the object that no chain of inner nodes joins, neighbours also across corners.
+template <int Dim>
+int component_count(const LevelSet<Dim>& u) {
+    std::vector<char> seen(u.values.size(), 0);
+    std::vector<std::size_t> waiting;
+    int count = 0;
+    for (std::size_t start = 0; start < seen.size(); ++start) {
+        if (seen[start] != 0 || u.values[start] <= 0.0) continue;
+        ++count;
+        waiting.assign(1, start);
+        seen[start] = 1;
+        while (!waiting.empty()) {
+            const auto node = u.grid.node(waiting.back());
+            waiting.pop_back();
+            for (int step = 0; step < (Dim == 2 ? 9 : 27); ++step) {
+                auto next = node;
+                bool on_grid = true;
+                for (int a = 0, rest = step; a < Dim; ++a, rest /= 3) {
+                    next[a] += rest % 3 - 1;
+                    on_grid &= next[a] >= 0 && next[a] < u.grid.nodes_per_axis();
+                }
+                if (!on_grid) continue;
+                const std::size_t i = u.grid.index(next);
+                if (seen[i] != 0 || u.values[i] <= 0.0) continue;
+                seen[i] = 1;
+                waiting.push_back(i);
+            }
+        }
+    }
+    return count;
+}
+
 }  // namespace
 
 std::vector<std::string> NormalizeOptions::problems() const {
@@ -96,6 +128,14 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     if (depth < grid.spacing()) {
         shape.notes.emplace_back(
             "Thinner than two cells of the grid everywhere: use a finer --level or --normalize each.");
+    }
+    if (raw.components > 0) {
+        const int pieces = component_count(shape.level_set);
+        if (pieces > raw.components) {
+            shape.notes.push_back("On this grid it falls into " + std::to_string(pieces) + " pieces instead of " +
+                                  std::to_string(raw.components) +
+                                  ", as parts are thinner than the cells: use a finer --level or --normalize each.");
+        }
     }
     shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);
     return shape;

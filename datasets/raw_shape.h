@@ -48,6 +48,7 @@ struct RawShape {
     Point<Dim> centroid{};       ///< of the object, file units
     double volume = 0.0;         ///< area (volume) of the object, file units^Dim, > 0
     double extent_radius = 0.0;  ///< largest distance of the object from its centroid, file units, > 0
+    int components = 0;          ///< pieces that the object has; 0: not counted
     Point<Dim> frame_low{};      ///< corner of what --normalize none maps to the unit cube: the image, the bounding box
     Point<Dim> frame_high{};     ///< the opposite corner
     std::vector<std::string> notes;  ///< what was done to the input and a user should know, one sentence each

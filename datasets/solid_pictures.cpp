@@ -38,6 +38,10 @@ Colour viridis(double t) {
 
 constexpr Colour plain{0.62, 0.70, 0.80};
 
+Colour coloured(double t, const ColourRange& range) {
+    return range.map ? range.map(t) : viridis(t);
+}
+
 double share(double value, const ColourRange& range) {
     return range.high > range.low ? (value - range.low) / (range.high - range.low) : 0.0;
 }
@@ -51,7 +55,7 @@ public:
     openvdb::tools::Film::RGBA operator()(const openvdb::Vec3R& xyz, const openvdb::Vec3R& normal,
                                           const openvdb::Vec3R& direction) const override {
         const Colour c =
-            colour_ == nullptr ? plain : viridis(share(value_at(*colour_, {xyz[0], xyz[1], xyz[2]}), range_));
+            colour_ == nullptr ? plain : coloured(share(value_at(*colour_, {xyz[0], xyz[1], xyz[2]}), range_), range_);
         const double diffuse = std::max(0.0, normal.dot(light_)), facing = std::abs(normal.dot(direction));
         const double brightness = std::min(1.0, 0.28 + 0.25 * facing + 0.55 * diffuse);
         return {c[0] * brightness, c[1] * brightness, c[2] * brightness, 1.0};
@@ -125,8 +129,7 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
     openvdb::tools::Film film(static_cast<std::size_t>(view.width) * oversampling,
                               static_cast<std::size_t>(view.height) * oversampling,
                               openvdb::tools::Film::RGBA(missed, missed, missed));
-    const double frame =
-        2.0 * 1.06 * largest_extent_radius / view.zoom * view.width / std::min(view.width, view.height);
+    const double frame = 2.0 * view_radius(view) * view.width / std::min(view.width, view.height);
     openvdb::tools::OrthographicCamera camera(film, openvdb::Vec3R(0.0), centre + 2.0 * from, frame, 1e-3, 10.0);
     camera.lookAt(centre, above);
     const PlaceShader shader(colour, range, light);
@@ -151,11 +154,13 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
 }
 
 PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, int pixels,
-                         const ScalarField<3>* colour, const ColourRange& range) {
-    if (across < 0 || across > 2 || !(position >= 0.0 && position <= 1.0) || pixels < 16 || pixels > 4096) {
-        throw std::invalid_argument("slice_picture: axis 0, 1 or 2, position in [0,1], 16 to 4096 pixels");
+                         const ScalarField<3>* colour, const ColourRange& range, int up_axis, double radius) {
+    if (across < 0 || across > 2 || !(position >= 0.0 && position <= 1.0) || pixels < 16 || pixels > 4096 ||
+        up_axis > 2 || up_axis == across || !(radius > 0.0)) {
+        throw std::invalid_argument(
+            "slice_picture: two different axes 0, 1 or 2, position in [0,1], 16 to 4096 pixels");
     }
-    const int right = across == 0 ? 1 : 0, up = across == 2 ? 1 : 2;
+    const int up = up_axis >= 0 ? up_axis : across == 2 ? 1 : 2, right = 3 - across - up;
     PixelImage image{pixels, pixels, 4, 255.0, {}};
     image.values.assign(4 * image.pixel_count(), 255);
     constexpr double stripe = 0.04;
@@ -163,15 +168,15 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
         for (int x = 0; x < pixels; ++x) {
             Vector3 p;
             p[across] = position;
-            p[right] = (x + 0.5) / pixels;
-            p[up] = 1.0 - (y + 0.5) / pixels;
+            p[right] = 0.5 + radius * (2.0 * (x + 0.5) / pixels - 1.0);
+            p[up] = 0.5 - radius * (2.0 * (y + 0.5) / pixels - 1.0);
             const double u = value_at(shape, p);
             Colour c = u > 0 ? plain : Colour{0.93, 0.93, 0.93};
-            if (u > 0 && colour != nullptr) c = viridis(share(value_at(*colour, p), range));
+            if (u > 0 && colour != nullptr) c = coloured(share(value_at(*colour, p), range), range);
             // Two tones in turn: the level lines are where the tone changes.
             const bool odd = (static_cast<long>(std::floor(u / stripe)) & 1) != 0;
             double tone = odd ? (u > 0 ? 0.86 : 0.94) : 1.0;
-            if (std::abs(u) < 1.2 / pixels) tone = 0.0;
+            if (std::abs(u) < 2.4 * radius / pixels) tone = 0.0;
             auto* out = image.values.data() + 4 * (static_cast<std::size_t>(y) * pixels + x);
             for (int i = 0; i < 3; ++i) out[i] = byte(tone * c[i]);
         }
@@ -179,8 +184,55 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
     return image;
 }
 
+int up_axis_by_custom(const std::vector<std::string>& files) {
+    std::size_t y_up = 0;
+    for (const std::string& file : files) {
+        std::string ending = file.substr(file.rfind('.') + 1);  // npos + 1 is 0
+        for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        if (ending == "obj" || ending == "off") ++y_up;
+    }
+    return 2 * y_up > files.size() ? 1 : 2;
+}
+
+void CommonView::add(const LevelSet<3>& shape) {
+    const int a = (up_axis_ + 1) % 3, b = (up_axis_ + 2) % 3;
+    double count = 0.0, mean[2]{}, square[3]{};
+    for (std::size_t i = 0; i < shape.values.size(); ++i) {
+        if (shape.values[i] <= 0) continue;
+        const auto node = shape.grid.node(i);
+        const double x = node[a] * shape.grid.spacing(), y = node[b] * shape.grid.spacing();
+        count += 1.0, mean[0] += x, mean[1] += y;
+        square[0] += x * x, square[1] += y * y, square[2] += x * y;
+    }
+    if (count == 0.0) return;
+    for (double& m : mean) m /= count;
+    moments_[0] += square[0] / count - mean[0] * mean[0];
+    moments_[1] += square[1] / count - mean[1] * mean[1];
+    moments_[2] += square[2] / count - mean[0] * mean[1];
+}
+
+View CommonView::view() const {
+    View view;
+    view.up_axis = up_axis_;
+    const double difference = moments_[0] - moments_[1], sum = moments_[0] + moments_[1];
+    const double anisotropy = std::hypot(difference, 2.0 * moments_[2]);
+    if (anisotropy > 0.1 * sum) {  // else round, and any side is as good
+        const double longest = 0.5 * std::atan2(2.0 * moments_[2], difference) * 180.0 / std::numbers::pi;
+        view.azimuth = longest + 90.0 - 25.0;
+    }
+    return view;
+}
+
+int CommonView::slice_axis() const {
+    return (up_axis_ + (moments_[0] < moments_[1] ? 1 : 2)) % 3;
+}
+
+double view_radius(const View& view) {
+    return 1.06 * largest_extent_radius / view.zoom;
+}
+
 ColourRange colour_range(const LevelSet<3>& shape, const ScalarField<3>& field) {
-    ColourRange range{0.0, 0.0};
+    ColourRange range{0.0, 0.0, {}};
     for (std::size_t i = 0; i < field.values.size(); ++i) {
         const Vector3 x = field.grid.position(field.grid.node(i));
         if (value_at(shape, x) > 0) range.high = std::max(range.high, field.values[i]);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "datasets/image_pixels.h"
 #include "geodesic/grid/fields.h"
@@ -15,9 +18,29 @@ struct View {
     double zoom = 1.0;  ///< 1: the ball of the largest normalised shape fills the picture
 };
 
-/// Colours for values: blue-violet at low over green to yellow at high (viridis).
+/// Colours for values.
 struct ColourRange {
     double low = 0.0, high = 1.0;
+    /// Red, green and blue in [0,1] for 0 (low) to 1 (high); empty: blue-violet over green to yellow (viridis).
+    std::function<std::array<double, 3>(double)> map;
+};
+
+/// The axis of a collection that points up, by the custom of its file formats: y for OBJ and OFF, z for the others.
+/// @param files  names; the majority decides
+int up_axis_by_custom(const std::vector<std::string>& files);
+
+/// A viewpoint for a whole collection: 25 degrees off the side on which the solids, taken together, are widest.
+class CommonView {
+public:
+    explicit CommonView(int up_axis) : up_axis_(up_axis) {}
+    void add(const LevelSet<3>& shape);
+    [[nodiscard]] View view() const;
+    /// Horizontal axis along which the solids are thinnest: across it slices show most.
+    [[nodiscard]] int slice_axis() const;
+
+private:
+    int up_axis_;
+    double moments_[3]{};  ///< of the horizontal axes a = up + 1, b = up + 2 (modulo 3): aa, bb, ab
 };
 
 /// Shaded view of a solid from outside, by OpenVDB's ray tracer for level sets: red, green, blue, alpha of 8 bits; the
@@ -27,12 +50,17 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view = {}, const Sc
                        const ColourRange& range = {});
 
 /// Plane through a solid: level lines of u as stripes (their width is the distance between lines), the object in
-/// colour, the background grey, its contour black. Axis 0 of the picture is the lower remaining axis, the higher one
-/// points up.
+/// colour, the background grey, its contour black.
 /// @param across    axis perpendicular to the plane
 /// @param position  of the plane, in [0,1]
+/// @param up_axis   axis that points up in the picture, not `across`; -1: the higher one of the other two
+/// @param radius    half width of what is shown, around the middle of the cube
 PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, int pixels = 320,
-                         const ScalarField<3>* colour = nullptr, const ColourRange& range = {});
+                         const ScalarField<3>* colour = nullptr, const ColourRange& range = {}, int up_axis = -1,
+                         double radius = 0.5);
+
+/// The view's picture shows so much around the middle of the cube, half width.
+double view_radius(const View& view);
 
 /// Largest value of a field where the shape is (u > 0): a range for colours common to several pictures.
 ColourRange colour_range(const LevelSet<3>& shape, const ScalarField<3>& field);

@@ -73,6 +73,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     raw.source = source;
     raw.centroid = solid.centroid;
     raw.volume = solid.volume;
+    raw.components = patches(solid.mesh).count;
     for (const auto& p : solid.mesh.points) raw.extent_radius = std::max(raw.extent_radius, norm(p - solid.centroid));
     raw.notes = std::move(file.notes);
     raw.notes.insert(raw.notes.end(), solid.notes.begin(), solid.notes.end());

@@ -12,6 +12,7 @@
 #include "pipeline/commands/classify.h"
 #include "pipeline/commands/datasets.h"
 #include "pipeline/commands/figures.h"
+#include "pipeline/commands/solid_datasets.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
 #include "pipeline/study_folder.h"
@@ -28,6 +29,7 @@ struct CommandLine {
     PairOptions pair;
     ClassifyCommandOptions classify;
     DatasetOptions dataset;
+    SolidDatasetOptions solids;
     FiguresOptions figures;
     std::string preset, config;
     std::function<int()> action;
@@ -150,7 +152,8 @@ void CommandLine::add_settings(CLI::App* command, RunSettings& settings, bool wi
     };
     if (with_import) {
         RunSettings::for_each_field(settings, add);
-        for (const char* name : {"--labels", "--foreground", "--speck-fraction", "--max-megapixels", "--normalize"}) {
+        for (const char* name : {"--dimension", "--close-gaps", "--mirror", "--isovalue", "--max-megabytes", "--labels",
+                                 "--foreground", "--speck-fraction", "--max-megapixels", "--normalize"}) {
             command->get_option(name)->group("Shapes");
         }
     } else {
@@ -270,9 +273,11 @@ void CommandLine::add_datasets() {
     CLI::App* sub = command("datasets", "make a collection of shapes from formulas or installed fonts.",
                             "Examples:\n"
                             "  morphodesic datasets letters --out letters\n"
+                            "  morphodesic datasets feet --out feet                3D\n"
                             "  morphodesic datasets letters --help");
     sub->require_subcommand(1);
     add_dataset_kinds(*sub, dataset, [this](std::function<int()> generate) { action = std::move(generate); });
+    add_solid_kinds(*sub, solids, [this](std::function<int()> generate) { action = std::move(generate); });
 }
 
 void CommandLine::add_figures() {

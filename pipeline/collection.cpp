@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -38,12 +39,25 @@ std::string placing_digest(const std::string& reading, const datasets::Normalize
                   std::to_string(placement.level));
 }
 
-/// Of the two dimensions the one with more files; the others are left out, and that is said.
-int choose_dimension(std::vector<datasets::ShapeSource>& sources, std::vector<std::string>& left_out) {
-    const auto solids = std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; });
-    const int dimension = 2 * static_cast<std::size_t>(solids) > sources.size() ? 3 : 2;
+/// Of the two dimensions the wanted one, else the one with more files (solids, if equally many: images beside meshes
+/// are often their textures); the others are left out, and that is said.
+int choose_dimension(const fs::path& folder, const std::string& wanted, std::vector<datasets::ShapeSource>& sources,
+                     std::vector<std::string>& left_out, std::vector<std::string>& remarks) {
+    const auto solids = static_cast<std::size_t>(
+        std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; }));
+    const std::size_t images = sources.size() - solids;
+    const int dimension = wanted == "2" ? 2 : wanted == "3" ? 3 : solids > 0 && solids >= images ? 3 : 2;
+    if (solids > 0 && images > 0 && wanted == "auto") {
+        remarks.push_back(folder.string() + " holds " + std::to_string(images) + " images and " +
+                          std::to_string(solids) + " solids; this study is made of the " +
+                          (dimension == 2 ? "images. To study the solids, or to say that the images are meant, give "
+                                            "--dimension 3 or 2."
+                                          : "solids. To study the images, or to say that the solids are meant, give "
+                                            "--dimension 2 or 3."));
+    }
     std::erase_if(sources, [&](const datasets::ShapeSource& s) {
         if (s.dimension == dimension) return false;
+        if (wanted != "auto") return true;
         left_out.push_back(s.path.string() + ": is " + (dimension == 2 ? "a 3D" : "a 2D") + " shape among " +
                            (dimension == 2 ? "images" : "3D shapes") + "; put the two kinds into folders of their own");
         return true;
@@ -85,6 +99,15 @@ void measure(CollectionEntry& entry, const datasets::ImportOptions& options) {
     }
 }
 
+/// Sizes that differ so much are rather a matter of units (mm, cm, m) or of resolution than of shape.
+std::string size_warning_of(const Collection& collection) {
+    std::vector<SizedName> sizes;
+    for (const CollectionEntry& entry : collection.entries) {
+        if (entry.row.problem.empty()) sizes.push_back({entry.row.name, entry.row.extent_radius});
+    }
+    return size_warning(sizes);
+}
+
 /// The scale of the collection: the frozen one where all shapes fit, else a new one.
 double settle_scale(const Collection& collection, const std::string& scale_key, ResultStore& store,
                     std::vector<std::string>& remarks) {
@@ -109,13 +132,28 @@ double settle_scale(const Collection& collection, const std::string& scale_key, 
 
 }  // namespace
 
+std::string size_warning(const std::vector<SizedName>& sizes) {
+    if (sizes.size() < 2) return "";
+    const auto by_size = [](const SizedName& a, const SizedName& b) { return a.size < b.size; };
+    const auto [small, large] = std::minmax_element(sizes.begin(), sizes.end(), by_size);
+    constexpr double comparable = 5.0;
+    if (!(large->size > comparable * small->size)) return "";
+    char factor[32];
+    std::snprintf(factor, sizeof factor, "%.3g", large->size / small->size);
+    return "The sizes differ by a factor of " + std::string(factor) + ": " + small->name + " is the smallest, " +
+           large->name +
+           " the largest. If they are in different units or their size does not matter, use --normalize each; as it "
+           "is, all are placed at one scale and the distances are mostly those of the sizes.";
+}
+
 Collection prepare_collection(const fs::path& folder, const RunSettings& settings, ResultStore& store,
                               Progress& progress) {
     datasets::ScanResult scan = datasets::scan_folder(folder, {settings.labels});
     Collection collection;
     for (const auto& problem : scan.problems) collection.left_out.push_back(problem.message());
     collection.remarks = scan.notes;
-    collection.dimension = choose_dimension(scan.sources, collection.left_out);
+    collection.dimension =
+        choose_dimension(folder, settings.dimension, scan.sources, collection.left_out, collection.remarks);
     collection.import = settings.import;
     collection.placement.mode = settings.normalize;
     collection.placement.level = shape_level(collection.dimension, settings.geodesic);
@@ -134,10 +172,14 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         if (!common || !entry.row.problem.empty() || entry.row.extent_radius > 0) return;
         with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import); });
     });
+    std::string warning;
     if (settings.normalize == "common") {
         collection.placement.scale =
             settle_scale(collection, canonical_text(settings.import), store, collection.remarks);
+        warning = size_warning_of(collection);
+        if (!warning.empty()) collection.remarks.push_back(warning);
     }
+    store.set_fact("size_warning", warning);
     std::vector<std::string> gone;
     std::set<std::string> names;
     for (CollectionEntry& entry : collection.entries) {

@@ -30,6 +30,15 @@ struct Collection {
     std::vector<std::string> left_out;  ///< problems of the scan: folders, links, files of the other dimension
 };
 
+/// A shape's name and its size in file units.
+struct SizedName {
+    std::string name;
+    double size = 0.0;
+};
+
+/// A sentence with advice if sizes that are to be placed at one scale differ by more than a factor of five; else empty.
+[[nodiscard]] std::string size_warning(const std::vector<SizedName>& sizes);
+
 /// Scans the folder, finds out which files are new or changed and measures them, and settles the common scale. The
 /// scale is frozen in the store: more files leave it as it is, unless one of them does not fit.
 /// @throws datasets::ReadError if the folder cannot be read, StoreError, std::invalid_argument for broken settings

@@ -66,6 +66,18 @@ std::string pairs_csv(const StudyData& data) {
     return csv.text();
 }
 
+std::string shapes_csv(const StudyData& data) {
+    CsvText csv({"name", "class", "volume", "scale", "volume_in_file_units", "notes"});
+    for (const StoredShape& shape : data.shapes) {
+        csv.cell(shape.name).cell(shape.label).cell(shape.volume).cell(shape.scale);
+        csv.cell(shape.volume / std::pow(shape.scale, data.dimension));
+        std::string notes;
+        for (const std::string& note : shape.notes) notes += (notes.empty() ? "" : " ") + note;
+        csv.cell(notes).end_row();
+    }
+    return csv.text();
+}
+
 }  // namespace
 
 void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder) {
@@ -76,6 +88,7 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
     analysis::write_npy(npy, analysis::NpyArray{data.distances.size(), data.distances.size(), data.distances.dense()});
     folder.write("distances.npy", npy.str());
     folder.write("pairs.csv", pairs_csv(data));
+    folder.write("shapes.csv", shapes_csv(data));
     const auto text = [](auto&& write) {
         std::ostringstream out;
         write(out);

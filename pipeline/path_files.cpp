@@ -25,8 +25,8 @@ ordered_json numbers(const std::vector<double>& values) {
 }  // namespace
 
 template <int Dim>
-DrawnPath draw_path(const GeodesicResult<Dim>& path) {
-    const PathPictures pictures = path_pictures(path, frame_pixels);
+DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view) {
+    const PathPictures pictures = path_pictures(path, frame_pixels, view);
     DrawnPath drawn;
     for (const RgbaImage& frame : pictures.frames)
         drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});
@@ -85,12 +85,6 @@ std::vector<std::string> write_path_files(const StudyFolder& folder, const std::
     return names;
 }
 
-template <int Dim>
-std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
-                                          const GeodesicResult<Dim>& path) {
-    return write_path_files(folder, below, draw_path(path));
-}
-
 ordered_json to_json(const StoredGeodesic& g) {
     ordered_json levels = ordered_json::array();
     for (const LevelReport& l : g.levels) {
@@ -126,11 +120,7 @@ ordered_json to_json(const StoredGeodesic& g) {
             {"seconds", number(g.seconds)}};
 }
 
-template DrawnPath draw_path<2>(const GeodesicResult<2>&);
-template DrawnPath draw_path<3>(const GeodesicResult<3>&);
-template std::vector<std::string> write_path_files<2>(const StudyFolder&, const std::filesystem::path&,
-                                                      const GeodesicResult<2>&);
-template std::vector<std::string> write_path_files<3>(const StudyFolder&, const std::filesystem::path&,
-                                                      const GeodesicResult<3>&);
+template DrawnPath draw_path<2>(const GeodesicResult<2>&, const SolidView&);
+template DrawnPath draw_path<3>(const GeodesicResult<3>&, const SolidView&);
 
 }  // namespace morphodesic::pipeline

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geodesic/discrete_geodesic.h"
+#include "pipeline/path_pictures.h"
 #include "pipeline/result_store.h"
 #include "pipeline/study_folder.h"
 #include "reports/report_model.h"
@@ -21,7 +22,7 @@ struct DrawnPath {
     reports::ColourBar colour_bar;
 };
 template <int Dim>
-[[nodiscard]] DrawnPath draw_path(const GeodesicResult<Dim>& path);
+[[nodiscard]] DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view = {});
 
 /// One string for the store, and back; nothing if the string is not one of these.
 [[nodiscard]] std::string pack(const DrawnPath& drawn);
@@ -29,9 +30,6 @@ template <int Dim>
 
 /// Writes the frames of a path into a folder below the study (or output) folder: step-00.png, ... and colours.json,
 /// which says what the colours mean. Returns the names of the frames.
-template <int Dim>
-std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
-                                          const GeodesicResult<Dim>& path);
 std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
                                           const DrawnPath& drawn);
 

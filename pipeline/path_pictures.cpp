@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "pipeline/colour_map.h"
@@ -54,12 +53,11 @@ double norm(const Point<Dim>& g) {
     return std::sqrt(sum);
 }
 
-/// What a pixel sees: where, how much of the pixel is covered, and how bright the surface is.
+/// What a pixel sees: where, and how much of the pixel is covered.
 template <int Dim>
 struct Hit {
     Point<Dim> x{};
     double coverage = 0.0;
-    double brightness = 1.0;
 };
 
 /// In 2D the pixel's own place; coverage from the distance to the contour in pixels.
@@ -71,38 +69,6 @@ std::optional<Hit<2>> look(const LevelSet<2>& u, double column, double row, doub
     hit.coverage = std::clamp(0.5 + value / (slope * pixel), 0.0, 1.0);
     if (hit.coverage <= 0) return std::nullopt;
     return hit;
-}
-
-/// In 3D the first point of the surface on a parallel ray, seen obliquely from above (z up), with diffuse light.
-std::optional<Hit<3>> look(const LevelSet<3>& u, double column, double row, double) {
-    const double c = 0.8660254037844387, s = 0.5, c2 = 0.9396926207859084, s2 = 0.3420201433325687;
-    const Point<3> right{c, s, 0}, forward{-s * c2, c * c2, -s2}, up{-s * s2, c * s2, c2};
-    const auto place = [&](double depth) {
-        Point<3> x{};
-        for (int a = 0; a < 3; ++a) x[a] = 0.5 + column * right[a] + row * up[a] + depth * forward[a];
-        return x;
-    };
-    const double step = 0.5 * u.grid.spacing();
-    double before = -std::numeric_limits<double>::infinity();
-    for (double depth = -0.7; depth <= 0.7; depth += step) {
-        const Point<3> at = place(depth);
-        const bool inside_cube = std::all_of(at.begin(), at.end(), [](double a) { return a >= 0 && a <= 1; });
-        const double value = inside_cube ? value_at<3>(u.grid, u.values, at) : -1.0;
-        if (value >= 0 && std::isfinite(before)) {
-            Hit<3> hit;
-            hit.x = place(depth - step * value / (value - before));
-            hit.coverage = 1.0;
-            const Point<3> g = gradient_at<3>(u, hit.x);
-            const double length = std::max(norm<3>(g), 1e-12);
-            // Light from the upper left behind the viewer; the normal points out of the object, against grad u.
-            double light = 0.0;
-            for (int a = 0; a < 3; ++a) light -= g[a] / length * (0.55 * up[a] - 0.35 * right[a] - 0.75 * forward[a]);
-            hit.brightness = 0.45 + 0.55 * std::max(light, 0.0);
-            return hit;
-        }
-        before = value;
-    }
-    return std::nullopt;
 }
 
 /// Calls paint(hit) -> Colour for every pixel that sees the shape.
@@ -118,7 +84,7 @@ RgbaImage draw(const LevelSet<Dim>& u, int pixels, const Paint& paint) {
             const Colour colour = paint(*hit);
             std::array<unsigned char, 4> rgba{0, 0, 0, static_cast<unsigned char>(std::lround(255 * hit->coverage))};
             for (std::size_t c = 0; c < 3; ++c) {
-                rgba[c] = static_cast<unsigned char>(std::lround(std::min(colour[c] * hit->brightness, 255.0)));
+                rgba[c] = colour[c];
             }
             image.set(column, row, rgba);
         }
@@ -179,32 +145,50 @@ ScalarField<Dim> dissipation_rate(const Deformation<Dim>& phi, double tau, doubl
 }
 
 template <int Dim>
-RgbaImage shape_picture(const LevelSet<Dim>& u, int pixels) {
-    return draw(u, pixels, [](const Hit<Dim>&) { return Dim == 2 ? Colour{47, 62, 92} : Colour{150, 170, 205}; });
-}
-
-template <int Dim>
-PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels) {
-    const std::size_t steps = path.deformations.size();
+std::vector<ScalarField<Dim>> dissipation_of_frames(const GeodesicResult<Dim>& path) {
     std::vector<ScalarField<Dim>> rates;
+    const std::size_t steps = path.deformations.size();
     for (const Deformation<Dim>& phi : path.deformations) {
         rates.push_back(dissipation_rate(phi, 1.0 / static_cast<double>(steps), path.options.lambda, path.options.mu));
     }
-    PathPictures pictures;
+    if (steps == 0) return rates;
+    const LevelSet<Dim>& end = path.shapes.back();
+    ScalarField<Dim> carried(rates.back().grid);
+    for (std::size_t i = 0; i < carried.values.size(); ++i) {
+        if (end.values[i] < -4 * end.grid.spacing()) continue;  // too far outside for any picture
+        const Point<Dim> y = carried.grid.position(carried.grid.node(i));
+        carried.values[i] =
+            value_at<Dim>(rates.back().grid, rates.back().values, inverse<Dim>(path.deformations.back(), y));
+    }
+    rates.push_back(std::move(carried));
+    return rates;
+}
+
+template <int Dim>
+double highest_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates) {
     std::vector<double> inside;
-    for (std::size_t k = 0; k < steps; ++k) {
+    for (std::size_t k = 0; k + 1 < rates.size(); ++k) {
         for (std::size_t i = 0; i < rates[k].values.size(); ++i) {
             if (path.shapes[k].values[i] > 0) inside.push_back(rates[k].values[i]);
         }
     }
-    pictures.highest = quantile(std::move(inside), 0.98);
+    return quantile(std::move(inside), 0.98);
+}
+
+template <>
+RgbaImage shape_picture<2>(const LevelSet<2>& u, int pixels, const SolidView&) {
+    return draw(u, pixels, [](const Hit<2>&) { return Colour{47, 62, 92}; });
+}
+
+template <>
+PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const SolidView&) {
+    const std::vector<ScalarField<2>> rates = dissipation_of_frames(path);
+    PathPictures pictures;
+    pictures.highest = highest_rate(path, rates);
     const double unit = std::max(pictures.highest, 1e-300);
-    for (std::size_t k = 0; k <= steps && steps > 0; ++k) {
-        const bool last = k == steps;
-        const ScalarField<Dim>& rate = rates[last ? steps - 1 : k];
-        pictures.frames.push_back(draw(path.shapes[k], pixels, [&](const Hit<Dim>& hit) {
-            const Point<Dim> x = last ? inverse<Dim>(path.deformations[steps - 1], hit.x) : hit.x;
-            return dissipation_colour(value_at<Dim>(rate.grid, rate.values, x) / unit);
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+        pictures.frames.push_back(draw(path.shapes[k], pixels, [&](const Hit<2>& hit) {
+            return dissipation_colour(value_at<2>(rates[k].grid, rates[k].values, hit.x) / unit);
         }));
     }
     return pictures;
@@ -212,9 +196,9 @@ PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels) {
 
 template ScalarField<2> dissipation_rate<2>(const Deformation<2>&, double, double, double);
 template ScalarField<3> dissipation_rate<3>(const Deformation<3>&, double, double, double);
-template RgbaImage shape_picture<2>(const LevelSet<2>&, int);
-template RgbaImage shape_picture<3>(const LevelSet<3>&, int);
-template PathPictures path_pictures<2>(const GeodesicResult<2>&, int);
-template PathPictures path_pictures<3>(const GeodesicResult<3>&, int);
+template std::vector<ScalarField<2>> dissipation_of_frames<2>(const GeodesicResult<2>&);
+template std::vector<ScalarField<3>> dissipation_of_frames<3>(const GeodesicResult<3>&);
+template double highest_rate<2>(const GeodesicResult<2>&, const std::vector<ScalarField<2>>&);
+template double highest_rate<3>(const GeodesicResult<3>&, const std::vector<ScalarField<3>>&);
 
 }  // namespace morphodesic::pipeline

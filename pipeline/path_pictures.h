@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "datasets/solid_pictures.h"
 #include "geodesic/discrete_geodesic.h"
 #include "pipeline/png.h"
 
@@ -10,9 +11,19 @@ namespace morphodesic::pipeline {
 /// Half width of the part of the unit cube that pictures show, around its centre: shapes reach 0.36 from it.
 inline constexpr double picture_radius = 0.4;
 
-/// A shape in one colour on a transparent background, anti-aliased; solids are shaded, seen obliquely from above.
+/// How the solids of a study are looked at; pictures of plane shapes ignore it.
+struct SolidView {
+    datasets::View camera;
+    int slice_axis = 1;  ///< slices are perpendicular to it, through the middle of the cube
+};
+
+/// A shape in one colour on a transparent background, anti-aliased; solids are shaded.
 template <int Dim>
-[[nodiscard]] RgbaImage shape_picture(const LevelSet<Dim>& u, int pixels);
+[[nodiscard]] RgbaImage shape_picture(const LevelSet<Dim>& u, int pixels, const SolidView& view = {});
+template <>
+RgbaImage shape_picture<2>(const LevelSet<2>& u, int pixels, const SolidView& view);
+template <>
+RgbaImage shape_picture<3>(const LevelSet<3>& u, int pixels, const SolidView& view);
 
 /// Frames 0 .. K of a path. Frame k < K is coloured by the dissipation of the step that starts there, frame K by that
 /// of the step that ends there.
@@ -23,11 +34,25 @@ struct PathPictures {
 
 /// Colours show the viscous dissipation rate density (1) of [WBRS09], lambda/2 (tr eps)^2 + mu tr eps^2, of the
 /// velocity v = (phi_k - id) / tau, in units of 1/time^2 (mu = 1, the path takes the time 1).
+/// Frames of solids have two parts: the shaded view, and below it a slice with stripes of the level set.
 template <int Dim>
-[[nodiscard]] PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels);
+[[nodiscard]] PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels, const SolidView& view = {});
+template <>
+PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const SolidView& view);
+template <>
+PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const SolidView& view);
 
 /// Nodal values of that density for one step, eps by central differences of the displacement.
 template <int Dim>
 [[nodiscard]] ScalarField<Dim> dissipation_rate(const Deformation<Dim>& phi, double tau, double lambda, double mu);
+
+/// That density for the frames 0 .. K: of the step that starts there; at the last frame that of the last step, carried
+/// along by it.
+template <int Dim>
+[[nodiscard]] std::vector<ScalarField<Dim>> dissipation_of_frames(const GeodesicResult<Dim>& path);
+
+/// Value below which 98 % of the objects' nodes lie.
+template <int Dim>
+[[nodiscard]] double highest_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates);
 
 }  // namespace morphodesic::pipeline

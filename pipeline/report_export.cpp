@@ -12,7 +12,9 @@
 #include "pipeline/pair_graph.h"
 #include "pipeline/path_files.h"
 #include "pipeline/path_pictures.h"
+#include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
+#include "pipeline/volume_comparison.h"
 #include "reports/figures.h"
 #include "reports/report.h"
 
@@ -39,10 +41,10 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
 }
 
 template <int Dim>
-void add_thumbnails(const StudyData& data, const ResultStore& store, AnalysedStudy& analysed) {
+void add_thumbnails(const StudyData& data, const ResultStore& store, const SolidView& view, AnalysedStudy& analysed) {
     tbb::parallel_for(std::size_t{0}, analysed.analysis.kept.size(), [&](std::size_t i) {
         const StoredShape& row = data.shapes[analysed.analysis.kept[i]];
-        const RgbaImage image = shape_picture(store.level_set<Dim>(row.content_digest), thumbnail_pixels);
+        const RgbaImage image = shape_picture(store.level_set<Dim>(row.content_digest), thumbnail_pixels, view);
         analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, row.name};
     });
 }
@@ -67,12 +69,16 @@ std::string motion_text(const StoredGeodesic& g) {
     return text;
 }
 
-/// The pictures of a path: from the store, else the path is computed again (it is not kept) and drawn.
+/// The pictures of a path and, of solids, their files: from the store and an earlier report, else the path is computed
+/// again (it is not kept) and drawn.
 template <int Dim>
 DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const StoredShape& to, const StudyData& data,
-                      ResultStore& store, std::string& remark) {
-    const std::string key = "path 1 " + g.a + " " + g.b + " " + g.settings_hash;
-    if (const auto stored = store.picture(key)) {
+                      ResultStore& store, const SolidView& view, const KeptSolids& kept, const StudyFolder& folder,
+                      const std::filesystem::path& below, std::string& remark) {
+    const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
+    const std::string key = Dim == 2 ? "path 1 " + pair : "path 2 " + pair + " " + key_of(view);
+    const bool has_solids = Dim == 2 || kept.take(pair, below);
+    if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);
         if (!drawn.frames.empty()) return drawn;
     }
@@ -86,8 +92,12 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                  ": drawing the path gave another length than the store has; was the store "
                  "made by another build? `morphodesic verify` tells more.";
     }
-    DrawnPath drawn = draw_path(path);
+    DrawnPath drawn = draw_path(path, view);
     store.put_picture(key, pack(drawn));
+    if constexpr (Dim == 3) {
+        write_path_solids(folder, below, path);
+        kept.mark(pair, below);
+    }
     return drawn;
 }
 
@@ -107,7 +117,8 @@ std::string path_folder(std::size_t number, const std::string& a, const std::str
 
 template <int Dim>
 void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
-               Progress& progress, AnalysedStudy& analysed) {
+               Progress& progress, const SolidView& view, AnalysedStudy& analysed) {
+    const KeptSolids kept(folder);
     reports::ReportModel& model = analysed.model;
     const auto chosen = choose_paths(model, options.paths);
     if (!chosen.empty()) progress.message("drawing " + std::to_string(chosen.size()) + " paths");
@@ -122,9 +133,10 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         if (!pair || !pair->problem().empty()) return;
         const bool forward = data.first_is_a[data.index(i, j)];
         const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
-        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data, store, remarks[p]);
+        const std::filesystem::path below = std::filesystem::path("paths") / path_folder(p, from.name, to.name);
+        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data, store, view, kept, folder, below, remarks[p]);
         if (drawn.frames.empty()) return;
-        write_path_files(folder, std::filesystem::path("paths") / path_folder(p, from.name, to.name), drawn);
+        write_path_files(folder, below, drawn);
 
         reports::PathReport& path = paths[p];
         path.a = forward ? a : b;
@@ -220,6 +232,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
                    {"distances.npy", "distances.npy", "the same for NumPy; NaN: no trustworthy distance"},
                    {"pairs.csv", "pairs.csv", "every pair with error bar, energies, min det and termination"},
                    {"clusters.csv", "clusters.csv", "cluster of every shape"},
+                   {"shapes.csv", "shapes.csv", "volume (area), scale and notes of every shape"},
                    {"linkage.csv", "linkage.csv", "average linkage, rows as in SciPy"},
                    {"embedding.csv", "embedding.csv", "the map"},
                    {"report.json", "report.json", "everything in this report but the pictures"},
@@ -234,12 +247,15 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     AnalysedStudy analysed = analyse_study(data, options.analysis);
     export_tables(data, analysed, folder);
     if (analysed.model.shapes.empty()) return;
-    std::error_code ignored;
-    std::filesystem::remove_all(folder.paths(), ignored);  // of an earlier choice of pairs
+    analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
     with_dimension(data.dimension, [&]<int Dim>() {
-        add_thumbnails<Dim>(data, store, analysed);
-        add_paths<Dim>(data, store, folder, options, progress, analysed);
+        const SolidView view = Dim == 3 ? view_of_study(store, data.shapes) : SolidView{};
+        add_thumbnails<Dim>(data, store, view, analysed);
+        add_paths<Dim>(data, store, folder, options, progress, view, analysed);
     });
+    if (const auto warning = store.fact("size_warning"); warning && !warning->empty()) {
+        analysed.model.trust.remarks.push_back(*warning);
+    }
     add_provenance(data, store, folder, analysed.model);
     folder.write("report.json", reports::to_json(analysed.model));
     folder.write("report.html", reports::render_html(analysed.model));

@@ -47,6 +47,9 @@ std::string lines_of(const Options& options) {
 std::vector<std::string> RunSettings::problems() const {
     std::vector<std::string> found = datasets::ScanOptions{labels}.problems();
     const auto add = [&](const std::vector<std::string>& more) { found.insert(found.end(), more.begin(), more.end()); };
+    if (dimension != "auto" && dimension != "2" && dimension != "3") {
+        found.push_back("dimension must be auto, 2 or 3, not \"" + dimension + "\"");
+    }
     add(import.problems());
     datasets::NormalizeOptions place;
     place.mode = normalize;

@@ -13,6 +13,7 @@ namespace morphodesic::pipeline {
 struct RunSettings {
     std::string preset = "standard";  ///< fast | standard | fine: where the defaults come from; other options overrule
     std::string labels = "auto";      ///< datasets::ScanOptions::labels
+    std::string dimension = "auto";   ///< auto | 2 | 3: which files of a folder are studied
     datasets::ImportOptions import;
     std::string normalize = "common";  ///< datasets::NormalizeOptions::mode
     GeodesicOptions geodesic;
@@ -21,6 +22,7 @@ struct RunSettings {
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("labels", self.labels, "where class labels come from: auto, csv (labels.csv), folder, name or none");
+        visit("dimension", self.dimension, "2: study the images of the folder, 3: the solids, auto: the larger part");
         datasets::ImportOptions::for_each_field(self.import, visit);
         visit(
             "normalize", self.normalize,

@@ -10,6 +10,7 @@
 #include "pipeline/commands/summary.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/path_files.h"
+#include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
 
@@ -50,6 +51,11 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
                                         std::to_string(fits));
         }
     }
+    const std::string warning = placement.mode == "common"
+                                    ? size_warning({{source_a.path.string(), raw_a.extent_radius},
+                                                    {source_b.path.string(), raw_b.extent_radius}})
+                                    : "";
+    if (!warning.empty()) std::cerr << "morphodesic: " << warning << "\n";
     const auto a = placed<Dim>(raw_a, placement), b = placed<Dim>(raw_b, placement);
     GeodesicResult<Dim> path;
     StoredGeodesic result = solve_pair<Dim>(
@@ -78,7 +84,13 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     if (!options.out.empty() && !path.shapes.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
-        const auto files = write_path_files(folder, "", path);
+        SolidView view;
+        if constexpr (Dim == 3) view = view_of_path(path, {a.row.name, b.row.name});
+        std::vector<std::string> files = write_path_files(folder, "", draw_path(path, view));
+        if constexpr (Dim == 3) {
+            const std::vector<std::string> solids = write_path_solids(folder, "", path);
+            files.insert(files.end(), solids.begin(), solids.end());
+        }
         folder.write("geodesic.json",
                      summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         summary.lines.push_back("pictures      " + folder.path().string());

@@ -176,11 +176,29 @@ function shapeTable() {
                      percent(stress[i]), s.notes.map(shown).join(' ')])));
 }
 
+/// Shapes that the two clusterings place differently, once each cluster by volume is matched with the cluster by
+/// distance with which it shares most shapes.
+function placedDifferently(assignment) {
+    const pairs = new Map();
+    data.shapes.forEach((s, i) => {
+        const key = assignment[i] + ' ' + clusterOf(i);
+        pairs.set(key, (pairs.get(key) || 0) + 1);
+    });
+    const match = new Map(), taken = new Set();
+    for (const [key] of [...pairs].sort((a, b) => b[1] - a[1])) {
+        const [volume, distance] = key.split(' ').map(Number);
+        if (match.has(volume) || taken.has(distance)) continue;
+        match.set(volume, distance);
+        taken.add(distance);
+    }
+    return data.shapes.map((s, i) => i).filter(i => match.get(assignment[i]) !== clusterOf(i));
+}
+
 function volumeSection() {
     const v = data.volumes;
     if (!v) return null;
     const word = data.dimension === 3 ? 'volume' : 'area', left = chartBox('by-distance'),
-          right = chartBox('by-volume');
+          right = chartBox('by-volume'), moved = clusterOf(0) ? placedDifferently(v.assignment) : [];
     redraws.push(async () => {
         if (data.linkages.length)
             await draw(
@@ -195,6 +213,10 @@ function volumeSection() {
         el('p', {},
            `Rank correlation between geodesic distance and difference of ${word}: ${
                num(v.rank_correlation)}; agreement of the clusters (adjusted Rand index): ${num(v.adjusted_rand)}.`),
+        el('p', {},
+           moved.length ? `Placed differently by distance and by ${word}: ${
+                              moved.slice(0, 40).map(nameOf).join(', ')}${moved.length > 40 ? ', …' : ''}.` :
+                          `Both put the same shapes together.`),
         el('div', {class: 'two'}, left, right),
         el('details', {open: count <= 30}, el('summary', {}, 'Clusters as a table'),
            table(

@@ -37,7 +37,7 @@ TEST(ShapePicture, IsTheRightWayUp) {
 TEST(ShapePicture, ASolidIsSeenAsItsShadow) {
     const auto ball = datasets::ball<3>(DyadicGrid<3>(5), {0.5, 0.5, 0.5}, 0.3);
     const int pixels = 64;
-    const double pixel = 2 * picture_radius / pixels;
+    const double pixel = 2 * datasets::view_radius({}) / pixels;
     EXPECT_NEAR(covered(shape_picture(ball, pixels)) * pixel * pixel, std::numbers::pi * 0.09, 0.01);
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/path_pictures.h"
+#include "pipeline/result_store.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+
+/// The viewpoint common to all solids of a study; for plane shapes any.
+[[nodiscard]] SolidView view_of_study(const ResultStore& store, const std::vector<StoredShape>& shapes);
+
+/// The viewpoint for the shapes of one path.
+[[nodiscard]] SolidView view_of_path(const GeodesicResult<3>& path, const std::vector<std::string>& files);
+
+/// A text that is equal for equal views: part of the key of stored pictures.
+[[nodiscard]] std::string key_of(const SolidView& view);
+
+/// Writes the shapes of a path as step-00.vdb (level set "shape", negative inside, and "dissipation") and step-00.ply
+/// (surface, dissipation at its points), ... into a folder below the study (or output) folder. Returns their names.
+/// @throws StoreError if the disk is full or the folder may not be written
+std::vector<std::string> write_path_solids(const StudyFolder& folder, const std::filesystem::path& below,
+                                           const GeodesicResult<3>& path);
+
+/// Exported solids of an earlier report: kept while the same paths are drawn, so that they are not computed again.
+class KeptSolids {
+public:
+    /// Moves the folder aside. @throws StoreError
+    explicit KeptSolids(const StudyFolder& folder);
+    /// Removes what nobody took.
+    ~KeptSolids();
+    KeptSolids(const KeptSolids&) = delete;
+    KeptSolids& operator=(const KeptSolids&) = delete;
+    /// Moves the solids of a path to their new place; false if they are not there.
+    [[nodiscard]] bool take(const std::string& key, const std::filesystem::path& below) const;
+    /// Writes down whose solids lie in a folder.
+    void mark(const std::string& key, const std::filesystem::path& below) const;
+
+private:
+    StudyFolder folder_;
+    std::filesystem::path aside_;
+};
+
+}  // namespace morphodesic::pipeline
