@@ -18,8 +18,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int start_level = 4;   // the search for the best start happens here,
-constexpr int coarse_steps = 4;  // with at most so many time steps
+constexpr int start_level = 4;                // the search for the best start happens here,
+constexpr int coarse_steps = 4;               // with at most so many time steps
+constexpr double selection_tolerance = 5e-3;  // of the energy, while starts compete
 
 struct Cancelled {};
 
@@ -115,11 +116,11 @@ private:
     }
 
     /// K -> 2 K on the level of the path.
-    void double_steps(Start<Dim>& start) {
+    void double_steps(Start<Dim>& start, double tolerance) {
         const int level = start.path.layout.grid.level();
         int folds = 0;
         start.path = split_in_time(start.path, first_on(start.motion, level), restricted(b_, level), folds);
-        solve(start, folds, options_.tolerance);
+        solve(start, folds, tolerance);
     }
 
     /// Alignments and schedules, each solved on the start level with all time steps; best first.
@@ -127,6 +128,7 @@ private:
         const int level = std::min(start_level, options_.level);
         const int steps =
             std::min(options_.time_steps, level + 1 < options_.level ? coarse_steps : options_.time_steps);
+        const double loose = std::max(options_.tolerance, selection_tolerance);
         std::vector<Start<Dim>> starts;
         for (const auto& candidate : align(a_, b_, options_.align, options_.starts)) {
             const auto first = first_on(candidate.motion, level);
@@ -135,15 +137,15 @@ private:
             Start<Dim> doubling;
             doubling.motion = candidate.motion;
             doubling.path = blended_path(first, last, 1);
-            solve(doubling, 0, options_.tolerance);
-            while (doubling.path.layout.time_steps < steps) double_steps(doubling);
+            solve(doubling, 0, loose);
+            while (doubling.path.layout.time_steps < steps) double_steps(doubling, loose);
             starts.push_back(std::move(doubling));
             if (options_.starts == 1 || steps == 1) continue;
             // All time steps at once, from blended shapes.
             Start<Dim> direct;
             direct.motion = candidate.motion;
             direct.path = blended_path(first, last, steps);
-            solve(direct, 0, options_.tolerance);
+            solve(direct, 0, loose);
             starts.push_back(std::move(direct));
         }
         sort(starts);
@@ -155,24 +157,31 @@ private:
                          [](const Start<Dim>& x, const Start<Dim>& y) { return x.terms.total < y.terms.total; });
     }
 
-    /// Level after level; the number of starts that go on halves each time.
+    /// Level after level; half of the starts go on each time. While there is a choice left, a loose tolerance decides;
+    /// the winner alone is solved to the end.
     Start<Dim> refine(std::vector<Start<Dim>> starts) {
+        const double loose = std::max(options_.tolerance, selection_tolerance);
         std::size_t keep = static_cast<std::size_t>(options_.starts);
         while (starts.front().path.layout.grid.level() < options_.level) {
-            keep = std::max<std::size_t>(1, (keep + 1) / 2);
             starts.resize(std::min(starts.size(), keep));
             for (auto& start : starts) {
                 int folds = 0;
                 start.path = prolong_in_space(start.path, folds);
-                solve(start, folds, options_.tolerance);
+                solve(start, folds, starts.size() > 1 ? loose : options_.tolerance);
             }
             sort(starts);
-            if (keep == 1) starts.resize(1);
+            keep = (keep + 1) / 2;
+            const int level = starts.front().path.layout.grid.level();
+            const bool contest = starts.size() > 1;
+            if (level == options_.level || keep == 1) {
+                starts.resize(1);
+                if (contest) solve(starts.front(), 0, options_.tolerance);
+            }
             // Many short steps are coupled stiffly; they start from few long ones that have converged. The last two
             // levels see all steps, so that the error bar compares like with like.
-            if (starts.front().path.layout.grid.level() + 1 >= options_.level) {
+            if (level + 1 >= options_.level) {
                 for (auto& start : starts) {
-                    while (start.path.layout.time_steps < options_.time_steps) double_steps(start);
+                    while (start.path.layout.time_steps < options_.time_steps) double_steps(start, options_.tolerance);
                 }
             }
         }
@@ -218,7 +227,7 @@ private:
         }
         result.path_length = best.terms.path_length();
         result.path_energy = best.terms.path_energy();
-        result.total_energy = best.terms.total;
+        result.total_energy = best.terms.total - best.terms.barrier;
         result.deformation_energy = best.terms.deformation;
         result.mismatch_energy = best.terms.mismatch;
         result.motion = best.motion;

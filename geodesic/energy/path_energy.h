@@ -66,9 +66,9 @@ public:
     [[nodiscard]] const double* level_set(std::span<const double> x, int k) const;
 
     /// Deformations with a det D phi below this at a quadrature point or cell corner count as folded.
-    static constexpr double least_det = 0.02;
+    static constexpr double least_det = 0.002;
     /// Stiffness of squeezed cells (det < barrier_onset) at their corners, beside 1 inside and delta outside.
-    static constexpr double barrier_weight = 1e-2;
+    static constexpr double barrier_weight = 0.1;
 
     /// E of (14) at the path x (see PathLayout); its gradient goes to `gradient` unless that is empty, with zeros for
     /// the displacements on the boundary of the cube. The bits do not depend on the number of threads.

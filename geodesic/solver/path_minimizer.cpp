@@ -18,8 +18,9 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
-constexpr int refresh = 6;  // iterations between two updates of the preconditioner
-constexpr int window = 5;   // iterations over which the decrease is measured
+constexpr int patience = 4;  // shorter steps tried before the history is given up
+constexpr int refresh = 6;   // iterations between two updates of the preconditioner
+constexpr int window = 5;    // iterations over which the decrease is measured
 
 struct Pair {
     std::vector<float> s, y;
@@ -109,7 +110,8 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         double t = 1.0;
         PathTerms next_terms;
         bool accepted = false;
-        for (int halving = 0; halving < max_halvings && !accepted; ++halving) {
+        const int halvings = pairs.empty() ? max_halvings : patience;
+        for (int halving = 0; halving < halvings && !accepted; ++halving) {
             kernels::step(next, x, t, direction);
             next_terms = evaluate(next, next_gradient);
             ++summary.evaluations;

@@ -62,7 +62,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                 const double inside =
                     (1.0 - options.outside_stiffness) * smooth_heaviside(u[i], eps) + options.outside_stiffness;
                 // Where a cell is squeezed to det = s, the logarithm stiffens it by about 1 / s^2.
-                const double squeezed = std::clamp(least[i], 0.02, 1.0);
+                const double squeezed = std::clamp(least[i], 0.005, 1.0);
                 double local = inside * 0.5 * (1.0 + 1.0 / (squeezed * squeezed));
                 if (squeezed < kernels::barrier_onset) {
                     local += PathEnergy<Dim>::barrier_weight * 0.5 / (squeezed * squeezed);
