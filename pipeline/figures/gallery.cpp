@@ -10,6 +10,14 @@ const std::vector<FigureKind>& figure_kinds() {
     static const std::vector<FigureKind> kinds{
         {"2", "straight to rolled-up bar with 1, 2, 4 and 8 time steps", figure_bars},
         {"3", "discrete geodesics on the sphere: one level against the cascade", figure_sphere},
+        {"4", "a pair that stretches and a pair that bends and keeps lengths", figure_isometry},
+        {"5", "dumbbells: compression against transport", figure_dumbbells},
+        {"7", "X to M with cracks, and with a contour length term and area preservation", figure_cracks},
+        {"8", "a matchstick man with an arm and a leg partly hidden", figure_occlusion},
+        {"convergence", "path length against time steps and grid size", figure_convergence},
+        {"two-geodesics", "a lower and a higher geodesic from A to B", figure_two_geodesics},
+        {"disk", "concentric disks and their closed form", figure_disk},
+        {"animation", "the path from A to B between its time steps", figure_animation},
     };
     return kinds;
 }

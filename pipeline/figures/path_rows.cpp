@@ -17,7 +17,8 @@ LevelSet<2> level_set_of(std::vector<datasets::Loop> polygons, const GeodesicOpt
     return datasets::shape_of(drawing, shape_level(2, options), centred).level_set;
 }
 
-LevelSet<2> letter_shape(const std::string& character, const std::string& font, const GeodesicOptions& options) {
+LevelSet<2> letter_shape(const std::string& character, const std::string& font, const GeodesicOptions& options,
+                         double area) {
     datasets::LettersOptions letters;
     letters.count = 1;
     letters.variation = 0.0;
@@ -29,7 +30,17 @@ LevelSet<2> letter_shape(const std::string& character, const std::string& font, 
         throw std::invalid_argument("the font " + font +
                                     " is not installed; install the packages fonts-dejavu-core and fonts-dejavu-extra");
     }
-    return datasets::shape_of(datasets::letters(letters).front(), shape_level(2, options)).level_set;
+    datasets::Drawing drawing = datasets::letters(letters).front();
+    const auto place = [&] { return datasets::shape_of(drawing, shape_level(2, options)).level_set; };
+    LevelSet<2> shape = place();
+    for (int round = 0; round < 3 && area > 0; ++round) {
+        const double scale = std::sqrt(area / measure(shape).volume);
+        for (datasets::Loop& loop : drawing.polygons) {
+            for (Point<2>& p : loop) p = {0.5 + scale * (p[0] - 0.5), 0.5 + scale * (p[1] - 0.5)};
+        }
+        shape = place();
+    }
+    return shape;
 }
 
 template <int Dim>

@@ -13,9 +13,11 @@ namespace morphodesic::pipeline {
 [[nodiscard]] LevelSet<2> level_set_of(std::vector<datasets::Loop> polygons, const GeodesicOptions& options,
                                        bool centred = true);
 
-/// A letter of a font as a shape, its height about 0.6. @throws datasets::ReadError without the font or the character
+/// A letter of a font as a shape.
+/// @param area  it is scaled to this area of the unit square; 0: as the collection of letters has it
+/// @throws std::invalid_argument without the font
 [[nodiscard]] LevelSet<2> letter_shape(const std::string& character, const std::string& font,
-                                       const GeodesicOptions& options);
+                                       const GeodesicOptions& options, double area = 0.0);
 
 /// Nodal dissipation rate (1) of every step, v = (phi_k - id) / tau; field k - 1 lives on shape k - 1.
 template <int Dim>

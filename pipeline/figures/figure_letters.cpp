@@ -1,0 +1,194 @@
+// Figure 7 (cracks against rounded corners), the two geodesics from A to B, and the animation between the time steps.
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/synthetic.h"
+#include "geodesic/grid/measures.h"
+#include "geodesic/solver/path_interpolation.h"
+#include "pipeline/figures/animation.h"
+#include "pipeline/figures/path_rows.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+constexpr const char* font = "DejaVuSans-Bold";
+
+}  // namespace
+
+Figure figure_cracks(const FigureOptions& options) {
+    GeodesicOptions free = options.geodesic();
+    GeodesicOptions rounded_corners = free;
+    rounded_corners.area_weight = 0.005;
+    rounded_corners.preserve_volume = true;
+    const LevelSet<2> x = letter_shape("X", font, free);
+    // The same area for both, so that it can be kept.
+    const LevelSet<2> m = letter_shape("M", font, free, measure(x).volume);
+
+    Figure figure;
+    figure.name = "figure-7";
+    figure.title = "From X to M: without a contour length term, and with it and area preservation";
+    const auto cracked = compute_discrete_geodesic<2>(x, m, free);
+    const auto smooth = compute_discrete_geodesic<2>(x, m, rounded_corners);
+    add_path_numbers(figure.numbers, "nu=0", cracked);
+    add_path_numbers(figure.numbers, "nu=0.005, area preserved", smooth);
+
+    const std::size_t shapes = cracked.shapes.size();
+    reports::Svg svg(80 + 104.0 * static_cast<double>(shapes), 480);
+    Row row{70, 8, 100, 4, 0.72, {0.5, 0.5}, 1.0};
+    const auto rates = dissipation_rates(cracked), smooth_rates = dissipation_rates(smooth);
+    auto all = rates;
+    all.insert(all.end(), smooth_rates.begin(), smooth_rates.end());
+    auto bodies = cracked.shapes;
+    bodies.pop_back();
+    bodies.insert(bodies.end(), smooth.shapes.begin(), smooth.shapes.end());
+    const double high = upper_end(all, bodies);
+    for (const bool is_smooth : {false, true}) {
+        const auto& path = is_smooth ? smooth : cracked;
+        svg.text(8, row.y + 45, is_smooth ? "nu = 0.005," : "nu = 0", 11);
+        if (is_smooth) svg.text(8, row.y + 60, "area kept", 11);
+        draw_shapes(svg, row, path.shapes, "#565f6c");
+        row.y += 104;
+        draw_dissipation(svg, row, path, is_smooth ? smooth_rates : rates, high);
+        row.y += 108;
+    }
+    colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
+               "viscous dissipation rate density (1), mu per squared path time");
+    figure.svg = svg.document(figure.title);
+
+    double longest_free = 0, longest_smooth = 0, drift = 0;
+    const double area = measure(x).volume;
+    for (std::size_t k = 1; k + 1 < shapes; ++k) {
+        longest_free = std::max(longest_free, measure(cracked.shapes[k]).surface);
+        const ShapeMeasures now = measure(smooth.shapes[k]);
+        longest_smooth = std::max(longest_smooth, now.surface);
+        drift = std::max(drift, std::abs(now.volume / area - 1));
+    }
+    figure.caption = "Top: nu = 0, cracks may form. Bottom: nu = 0.005 and the area kept along the path. X and M have the "
+                     "same area. Top: " + path_summary(cracked) + "; bottom: " + path_summary(smooth) + ".";
+    figure.checks = {solved("nu = 0", cracked), solved("nu = 0.005", smooth),
+                     {"longest contour between, nu = 0.005", rounded(longest_smooth),
+                      "shorter than with nu = 0: " + rounded(longest_free), longest_smooth < longest_free},
+                     {"largest change of the area, nu = 0.005", rounded(100 * drift, 2) + " %", "within 0.5 %",
+                      drift < 0.005}};
+    return figure;
+}
+
+Figure figure_two_geodesics(const FigureOptions& options) {
+    GeodesicOptions settings = options.geodesic();
+    settings.starts = 1;
+    const LevelSet<2> a = letter_shape("A", font, settings), b = letter_shape("B", font, settings);
+    Figure figure;
+    figure.name = "two-geodesics";
+    figure.title = "Two geodesics from A to B, a lower and a higher one";
+    // Local minima are found from different places and turns of A; what differs in topology on the way is another path.
+    struct Found {
+        GeodesicResult<2> path;
+        double shift, turn;
+    };
+    std::vector<Found> found;
+    GeodesicOptions scout = settings;
+    scout.level = std::min(settings.level, 6);
+    const int shape_grid = a.grid.level();
+    for (const double turn : {0.0, -0.25, 0.25}) {
+        for (const double shift : {0.0, 0.07, -0.07, 0.14, -0.14}) {
+            RigidMotion<2> motion;
+            motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+            motion.translation = {0.0, shift};
+            found.push_back({compute_discrete_geodesic<2>(moved(a, motion, shape_grid), b, scout), shift, turn});
+        }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Found& p, const Found& q) { return p.path.total_energy < q.path.total_energy; });
+    // Where the holes are in the middle of the path: their signature tells the two kinds apart.
+    const auto signature = [](const GeodesicResult<2>& path) {
+        std::vector<int> euler;
+        for (const auto& u : path.shapes) euler.push_back(measure(u).euler);
+        return euler;
+    };
+    std::size_t other = 1;
+    while (other + 1 < found.size() && (signature(found[other].path) == signature(found[0].path) ||
+                                        found[other].path.total_energy < 1.05 * found[0].path.total_energy)) {
+        ++other;
+    }
+    std::vector<GeodesicResult<2>> paths;
+    for (const std::size_t i : {std::size_t{0}, other}) {
+        RigidMotion<2> motion;
+        const double turn = found[i].turn;
+        motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+        motion.translation = {0.0, found[i].shift};
+        paths.push_back(compute_discrete_geodesic<2>(moved(a, motion, shape_grid), b, settings));
+    }
+    if (paths[1].total_energy < paths[0].total_energy) std::swap(paths[0], paths[1]);
+    const std::size_t shapes = paths[0].shapes.size();
+    reports::Svg svg(80 + 104.0 * static_cast<double>(shapes), 490);
+    Row row{70, 8, 100, 4, 0.8, {0.5, 0.5}, 1.0};
+    std::vector<ScalarField<2>> all;
+    std::vector<LevelSet<2>> bodies;
+    for (const auto& path : paths) {
+        for (std::size_t k = 0; const auto& rate : dissipation_rates(path)) {
+            all.push_back(rate);
+            bodies.push_back(path.shapes[k++]);
+        }
+    }
+    const double high = upper_end(all, bodies);
+    for (std::size_t i = 0; i < 2; ++i) {
+        add_path_numbers(figure.numbers, i == 0 ? "lower" : "higher", paths[i]);
+        svg.text(8, row.y + 45, i == 0 ? "lower" : "higher", 11);
+        svg.text(8, row.y + 60, "E = " + rounded(paths[i].total_energy, 3), 10);
+        draw_shapes(svg, row, paths[i].shapes, "#565f6c");
+        row.y += 104;
+        draw_dissipation(svg, row, paths[i], dissipation_rates(paths[i]), high);
+        row.y += 108;
+    }
+    colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
+               "viscous dissipation rate density (1), mu per squared path time");
+    figure.svg = svg.document(figure.title);
+    figure.caption = "Both are local minima of the energy (14), found from different places of A. Lower: " +
+                     path_summary(paths[0]) + ", E = " + rounded(paths[0].total_energy) + ". Higher: " +
+                     path_summary(paths[1]) + ", E = " + rounded(paths[1].total_energy) + ".";
+    figure.checks = {solved("lower", paths[0]), solved("higher", paths[1]),
+                     {"energy of the higher path", rounded(paths[1].total_energy),
+                      "above that of the lower: " + rounded(paths[0].total_energy),
+                      paths[1].total_energy > 1.02 * paths[0].total_energy}};
+    return figure;
+}
+
+Figure figure_animation(const FigureOptions& options) {
+    const GeodesicOptions settings = options.geodesic();
+    const auto path = compute_discrete_geodesic<2>(letter_shape("A", font, settings),
+                                                   letter_shape("B", font, settings), settings);
+    Figure figure;
+    figure.name = "animation";
+    figure.title = "The geodesic from A to B between its time steps";
+    const int frames = options.quick ? 9 : 33, columns = 9;
+    figure.numbers.columns = {"t", "area", "perimeter", "euler_number"};
+    for (int i = 0; i < frames; ++i) {
+        const double t = static_cast<double>(i) / (frames - 1);
+        const ShapeMeasures m = measure(shape_at(path, t));
+        figure.numbers.add({exact(t), exact(m.volume), exact(m.surface), std::to_string(m.euler)});
+    }
+    reports::Svg svg(20 + 104.0 * columns, 130);
+    const Row row{10, 10, 100, 4, 0.8, {0.5, 0.5}, 1.0};
+    for (int i = 0; i < columns; ++i) {
+        // Between the steps: at a quarter of each, so that no shape is one of the discrete path.
+        const double t = (i + (i + 1 < columns ? 0.3 : 0.0)) / (columns - 1);
+        fill_shape(svg, row.panel(static_cast<std::size_t>(i)), shape_at(path, t), "#565f6c");
+        svg.text(row.panel(static_cast<std::size_t>(i)).x + 50, 120, "t = " + rounded(t, 3), 10, "middle");
+    }
+    figure.svg = svg.document(figure.title);
+    figure.files.push_back({"animation.webp", path_animation(path, options.quick ? 120 : 320, frames)});
+    double jump = 0, before = 0;
+    for (int i = 0; i <= 64; ++i) {
+        const double area = measure(shape_at(path, i / 64.0)).volume;
+        if (i > 0) jump = std::max(jump, std::abs(area / before - 1));
+        before = area;
+    }
+    figure.caption = "Shapes between the time steps by (6)-(8); the animation shows " + std::to_string(frames) +
+                     " of them with the dissipation as colour. " + path_summary(path) + ".";
+    figure.checks = {solved("A to B", path),
+                     {"largest change of the area from one of 65 frames to the next", rounded(100 * jump, 2) + " %",
+                      "below 5 %: nothing jumps", jump < 0.05}};
+    return figure;
+}
+
+}  // namespace morphodesic::pipeline
