@@ -41,8 +41,7 @@ std::string encode_animation(const std::vector<RgbaImage>& frames, int milliseco
     }
     WebPData data;
     WebPDataInit(&data);
-    if (!WebPAnimEncoderAdd(encoder.get(), nullptr, time, nullptr) ||
-        !WebPAnimEncoderAssemble(encoder.get(), &data)) {
+    if (!WebPAnimEncoderAdd(encoder.get(), nullptr, time, nullptr) || !WebPAnimEncoderAssemble(encoder.get(), &data)) {
         throw std::runtime_error("an animation could not be put together");
     }
     std::string bytes(reinterpret_cast<const char*>(data.bytes), data.size);

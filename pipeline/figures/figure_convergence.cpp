@@ -54,8 +54,9 @@ Figure figure_convergence(const FigureOptions& options) {
     Figure figure;
     figure.name = "convergence";
     figure.title = "Path length from A to B against time steps and grid size";
-    figure.numbers.columns = {"study", "level", "steps_K", "eta", "path_length", "error_bar", "extrapolated_length",
-                              "path_energy", "seconds"};
+    figure.numbers.columns = {
+        "study",       "level",  "steps_K", "eta", "path_length", "error_bar", "extrapolated_length",
+        "path_energy", "seconds"};
     GeodesicOptions settings = options.geodesic();
     const int level = options.quick ? 5 : 6;
     const int most_steps = options.quick ? 8 : 16, finest = options.quick ? 6 : 8;
@@ -93,26 +94,31 @@ Figure figure_convergence(const FigureOptions& options) {
                    [](int e) { return std::to_string(1 << e); });
     plot(svg, x, y, growing, "#1f4e8c");
     plot(svg, x, y, fixed, "#c2603a");
-    svg.text(x(growing.back().first) - 6, y(growing.back().second) - 14, "eta = 25 K", 11, "end", "#1f4e8c", true, "#ffffff");
-    svg.text(x(fixed.back().first) - 6, y(fixed.back().second) - 14, "eta = 200", 11, "end", "#c2603a", true, "#ffffff");
+    svg.text(x(growing.back().first) - 6, y(growing.back().second) - 14, "eta = 25 K", 11, "end", "#1f4e8c", true,
+             "#ffffff");
+    svg.text(x(fixed.back().first) - 6, y(fixed.back().second) - 14, "eta = 200", 11, "end", "#c2603a", true,
+             "#ffffff");
     Series upper;
     for (const auto& path : levels) upper.emplace_back(path.options.level, path.path_length + path.error);
     const auto [low_h, high_h] = range_of({in_h, Series(upper.begin() + 1, upper.end())});
     const reports::Scale xh{4, static_cast<double>(finest), 520, 860}, yh{low_h, high_h, 270, 30};
-    draw_log2_axes(svg, xh, yh, "grid size h, K = 4", "path length", [](int e) { return "1/" + std::to_string(1 << e); });
+    draw_log2_axes(svg, xh, yh, "grid size h, K = 4", "path length",
+                   [](int e) { return "1/" + std::to_string(1 << e); });
     for (std::size_t i = 1; i < levels.size(); ++i) {
         const double px = xh(levels[i].options.level);
-        svg.line(px, yh(std::max(levels[i].path_length - levels[i].error, low_h)), px, yh(levels[i].path_length + levels[i].error),
-                 "#8fa5c2", 1.5);
+        svg.line(px, yh(std::max(levels[i].path_length - levels[i].error, low_h)), px,
+                 yh(levels[i].path_length + levels[i].error), "#8fa5c2", 1.5);
         svg.circle(px + 5, yh(std::clamp(levels[i].extrapolated_length, low_h, high_h)), 3, "#ffffff", "#1f4e8c", 1.2);
     }
     plot(svg, xh, yh, in_h, "#1f4e8c");
     figure.svg = svg.document(figure.title);
-    figure.caption = "Letters A to B. Left: with eta = 25 K the length settles with the number of time steps, with fixed eta it "
-                     "does not. Right: length against grid size with error bars (lines) and extrapolated values (circles).";
+    figure.caption =
+        "Letters A to B. Left: with eta = 25 K the length settles with the number of time steps, with fixed eta it "
+        "does not. Right: length against grid size with error bars (lines) and extrapolated values (circles).";
     const double n = growing[growing.size() - 1].second, before = growing[growing.size() - 2].second;
     const double nf = fixed[fixed.size() - 1].second, bf = fixed[fixed.size() - 2].second;
-    figure.checks = {{"change of the length by the last doubling of K, eta = 25 K", rounded(100 * std::abs(n / before - 1), 2) + " %",
+    figure.checks = {{"change of the length by the last doubling of K, eta = 25 K",
+                      rounded(100 * std::abs(n / before - 1), 2) + " %",
                       "below 2 % and below that of eta = 200: " + rounded(100 * std::abs(nf / bf - 1), 2) + " %",
                       std::abs(n / before - 1) < 0.02 && std::abs(n / before - 1) < std::abs(nf / bf - 1)}};
     const double last = std::abs(levels.back().path_length - levels[levels.size() - 2].path_length);
@@ -128,9 +134,9 @@ Figure figure_disk(const FigureOptions& options) {
     figure.title = "Concentric disks: the closed form";
     const GeodesicOptions base = options.geodesic();
     constexpr double r0 = 0.20, r1 = 0.25;
-    const double exact_length =
-        std::sqrt(std::numbers::pi * (2 * base.lambda + 2 * base.mu)) * std::abs(r1 - r0);
-    figure.numbers.columns = {"level", "steps_K", "path_length", "extrapolated_length", "error_bar", "closed_form", "relative_error"};
+    const double exact_length = std::sqrt(std::numbers::pi * (2 * base.lambda + 2 * base.mu)) * std::abs(r1 - r0);
+    figure.numbers.columns = {"level",     "steps_K",     "path_length",   "extrapolated_length",
+                              "error_bar", "closed_form", "relative_error"};
     const int finest = options.quick ? 6 : 8;
     Series lengths, extrapolated;
     GeodesicResult<2> last;
@@ -176,17 +182,19 @@ Figure figure_disk(const FigureOptions& options) {
     const reports::Scale x{4, static_cast<double>(finest), 420, 860}, y{low, top, 270, 30};
     draw_log2_axes(svg, x, y, "grid size h, K = 4", "path length", [](int e) { return "1/" + std::to_string(1 << e); });
     svg.line(x.from, y(exact_length), x.to, y(exact_length), "#1b2430", 1.4, "6 4");
-    svg.text(x.from + 8, y(exact_length) - 10, "closed form " + rounded(exact_length, 5), 11, "start", "#1b2430", true, "#ffffff");
+    svg.text(x.from + 8, y(exact_length) - 10, "closed form " + rounded(exact_length, 5), 11, "start", "#1b2430", true,
+             "#ffffff");
     plot(svg, x, y, lengths, "#1f4e8c");
     plot(svg, x, y, extrapolated, "#c2603a");
-    svg.text(x(lengths.back().first) - 6, y(lengths.back().second) + 16, "computed", 11, "end", "#1f4e8c", true, "#ffffff");
+    svg.text(x(lengths.back().first) - 6, y(lengths.back().second) + 16, "computed", 11, "end", "#1f4e8c", true,
+             "#ffffff");
     if (!extrapolated.empty()) {
-        svg.text(x(extrapolated.back().first) - 6, y(extrapolated.back().second) + 16, "extrapolated to h = 0", 11, "end",
-                 "#c2603a", true, "#ffffff");
+        svg.text(x(extrapolated.back().first) - 6, y(extrapolated.back().second) + 16, "extrapolated to h = 0", 11,
+                 "end", "#c2603a", true, "#ffffff");
     }
     figure.svg = svg.document(figure.title);
-    const double error = std::abs(last.path_length / exact_length - 1), extrapolated_error =
-        std::abs(last.extrapolated_length / exact_length - 1);
+    const double error = std::abs(last.path_length / exact_length - 1),
+                 extrapolated_error = std::abs(last.extrapolated_length / exact_length - 1);
     figure.caption = "Disks of radius 0.20 and 0.25: the distance is sqrt(pi (2 lambda + 2 mu)) |r1 - r0| = " +
                      rounded(exact_length, 5) + ". Left: the first step, arrows: four times the displacement.";
     figure.checks = {{"error of the length on the finest grid", rounded(100 * error, 2) + " %",

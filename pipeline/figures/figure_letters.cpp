@@ -63,13 +63,16 @@ Figure figure_cracks(const FigureOptions& options) {
         longest_smooth = std::max(longest_smooth, now.surface);
         drift = std::max(drift, std::abs(now.volume / area - 1));
     }
-    figure.caption = "Top: nu = 0, cracks may form. Bottom: nu = 0.005 and the area kept along the path. X and M have the "
-                     "same area. Top: " + path_summary(cracked) + "; bottom: " + path_summary(smooth) + ".";
-    figure.checks = {solved("nu = 0", cracked), solved("nu = 0.005", smooth),
-                     {"longest contour between, nu = 0.005", rounded(longest_smooth),
-                      "shorter than with nu = 0: " + rounded(longest_free), longest_smooth < longest_free},
-                     {"largest change of the area, nu = 0.005", rounded(100 * drift, 2) + " %", "within 0.5 %",
-                      drift < 0.005}};
+    figure.caption =
+        "Top: nu = 0, cracks may form. Bottom: nu = 0.005 and the area kept along the path. X and M have the "
+        "same area. Top: " +
+        path_summary(cracked) + "; bottom: " + path_summary(smooth) + ".";
+    figure.checks = {
+        solved("nu = 0", cracked),
+        solved("nu = 0.005", smooth),
+        {"longest contour between, nu = 0.005", rounded(longest_smooth),
+         "shorter than with nu = 0: " + rounded(longest_free), longest_smooth < longest_free},
+        {"largest change of the area, nu = 0.005", rounded(100 * drift, 2) + " %", "within 0.5 %", drift < 0.005}};
     return figure;
 }
 
@@ -143,10 +146,12 @@ Figure figure_two_geodesics(const FigureOptions& options) {
     colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
                "viscous dissipation rate density (1), mu per squared path time");
     figure.svg = svg.document(figure.title);
-    figure.caption = "Both are local minima of the energy (14), found from different places of A. Lower: " +
-                     path_summary(paths[0]) + ", E = " + rounded(paths[0].total_energy) + ". Higher: " +
-                     path_summary(paths[1]) + ", E = " + rounded(paths[1].total_energy) + ".";
-    figure.checks = {solved("lower", paths[0]), solved("higher", paths[1]),
+    figure.caption =
+        "Both are local minima of the energy (14), found from different places of A. Lower: " + path_summary(paths[0]) +
+        ", E = " + rounded(paths[0].total_energy) + ". Higher: " + path_summary(paths[1]) +
+        ", E = " + rounded(paths[1].total_energy) + ".";
+    figure.checks = {solved("lower", paths[0]),
+                     solved("higher", paths[1]),
                      {"energy of the higher path", rounded(paths[1].total_energy),
                       "above that of the lower: " + rounded(paths[0].total_energy),
                       paths[1].total_energy > 1.02 * paths[0].total_energy}};
@@ -155,8 +160,8 @@ Figure figure_two_geodesics(const FigureOptions& options) {
 
 Figure figure_animation(const FigureOptions& options) {
     const GeodesicOptions settings = options.geodesic();
-    const auto path = compute_discrete_geodesic<2>(letter_shape("A", font, settings),
-                                                   letter_shape("B", font, settings), settings);
+    const auto path =
+        compute_discrete_geodesic<2>(letter_shape("A", font, settings), letter_shape("B", font, settings), settings);
     Figure figure;
     figure.name = "animation";
     figure.title = "The geodesic from A to B between its time steps";

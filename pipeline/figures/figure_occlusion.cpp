@@ -78,14 +78,18 @@ Figure figure_occlusion(const FigureOptions& options) {
         row.y += 122;
     }
     figure.svg = svg.document(figure.title);
-    figure.caption = "Disks: hidden parts of the first shape, where the mask of the mismatch (12) of the first step is zero. "
-                     "With the mask the arm and the leg come back in shape 1; without it they have to grow. Masked: " +
-                     path_summary(masked) + "; without mask: " + path_summary(blind) + "; nothing hidden: " +
-                     path_summary(full) + ".";
+    figure.caption =
+        "Disks: hidden parts of the first shape, where the mask of the mismatch (12) of the first step is zero. "
+        "With the mask the arm and the leg come back in shape 1; without it they have to grow. Masked: " +
+        path_summary(masked) + "; without mask: " + path_summary(blind) + "; nothing hidden: " + path_summary(full) +
+        ".";
     const double with = std::abs(masked.path_length / full.path_length - 1),
                  without = std::abs(blind.path_length / full.path_length - 1);
-    figure.checks = {solved("with mask", masked), solved("without mask", blind), solved("nothing hidden", full),
-                     {"distance with mask against nothing hidden", rounded(masked.path_length, 4) + " / " + rounded(full.path_length, 4),
+    figure.checks = {solved("with mask", masked),
+                     solved("without mask", blind),
+                     solved("nothing hidden", full),
+                     {"distance with mask against nothing hidden",
+                      rounded(masked.path_length, 4) + " / " + rounded(full.path_length, 4),
                       "nearer to it than without mask: " + rounded(blind.path_length, 4), with < without}};
     return figure;
 }

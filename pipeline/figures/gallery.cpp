@@ -8,12 +8,15 @@ namespace morphodesic::pipeline {
 
 const std::vector<FigureKind>& figure_kinds() {
     static const std::vector<FigureKind> kinds{
+        {"1", "letters A to B and a cat-like to a lion-like solid", figure_letters_and_solids},
         {"2", "straight to rolled-up bar with 1, 2, 4 and 8 time steps", figure_bars},
         {"3", "discrete geodesics on the sphere: one level against the cascade", figure_sphere},
         {"4", "a pair that stretches and a pair that bends and keeps lengths", figure_isometry},
         {"5", "dumbbells: compression against transport", figure_dumbbells},
+        {"6", "the solids with a slicing plane", figure_sliced_solids},
         {"7", "X to M with cracks, and with a contour length term and area preservation", figure_cracks},
         {"8", "a matchstick man with an arm and a leg partly hidden", figure_occlusion},
+        {"9", "distance matrices of letters and of feet", figure_matrices},
         {"convergence", "path length against time steps and grid size", figure_convergence},
         {"two-geodesics", "a lower and a higher geodesic from A to B", figure_two_geodesics},
         {"disk", "concentric disks and their closed form", figure_disk},
