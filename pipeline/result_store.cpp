@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -124,6 +125,20 @@ std::string row_checksum(const StoredGeodesic& g, const std::string& details) {
     return digest(bytes);
 }
 
+/// Goes behind the placing of a shape: a changed bit anywhere in its row has the file read again.
+std::string shape_seal(const StoredShape& shape, const std::string& notes) {
+    std::string bytes;
+    for (const std::string* text : {&shape.name, &shape.file_digest, &shape.reading, &shape.placing,
+                                    &shape.content_digest, &notes, &shape.problem}) {
+        bytes += *text + '\n';
+    }
+    for (const double x : {shape.extent_radius, shape.volume, shape.scale}) {
+        const double canonical = std::isnan(x) ? 0.0 : x;
+        bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
+    }
+    return digest(bytes);
+}
+
 std::string compress(const std::vector<double>& values) {
     const std::vector<float> floats(values.begin(), values.end());
     const auto size = static_cast<uLong>(floats.size() * sizeof(float));
@@ -182,7 +197,8 @@ StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::
 }
 
 struct ResultStore::Impl {
-    Impl(fs::path file, Access access) : database(std::move(file), access == Access::write) {}
+    Impl(fs::path file, Access access)
+        : database(std::move(file), access == Access::write), repairs(access == Access::write) {}
 
     void open(Access access) {
         const int version = static_cast<int>(pragma("user_version"));
@@ -211,10 +227,12 @@ struct ResultStore::Impl {
         }
         Statement check = database.prepare("PRAGMA quick_check(1)");
         if (check.step() && check.text(0) != "ok") {
-            throw StoreError(database.file(),
-                             "is damaged (" + check.text(0) +
-                                 "); move it away and run the study again, or restore a copy. What can "
-                                 "still be read is shown by: sqlite3 FILE .recover");
+            throw StoreError(
+                database.file(),
+                "is damaged (" + check.text(0) +
+                    "); restore a copy, or keep what is sound with: sqlite3 study.sqlite .recover | sqlite3 "
+                    "saved.sqlite && mv saved.sqlite study.sqlite; then give the same command again. Or "
+                    "move it away: everything is computed again");
         }
     }
     [[nodiscard]] long long pragma(const std::string& name) const {
@@ -246,6 +264,7 @@ struct ResultStore::Impl {
     }
 
     Database database;
+    bool repairs;  // a process that writes makes damaged facts anew; one that only reads must not go on without them
     std::mutex mutex;  // one writer at a time inside the process
 };
 
@@ -263,14 +282,20 @@ const fs::path& ResultStore::file() const {
 }
 
 std::optional<std::string> ResultStore::fact(std::string_view key) const {
-    Statement s = impl_->database.prepare("SELECT value FROM study WHERE key = ?");
-    return s.bind(1, key).step() ? std::optional(s.text(0)) : std::nullopt;
+    Statement s = impl_->database.prepare(
+        "SELECT value, (SELECT value FROM study WHERE key = 'seal of ' || ?1) FROM study WHERE key = ?1");
+    if (!s.bind(1, key).step()) return std::nullopt;
+    std::string value = s.text(0);
+    if (s.is_null(1) || s.text(1) == digest(value)) return value;
+    if (impl_->repairs) return std::nullopt;
+    throw StoreError(file(), "what it says of \"" + std::string(key) +
+                                 "\" is damaged; give the command that made the study again (morphodesic run FOLDER)");
 }
 
 void ResultStore::set_fact(std::string_view key, std::string_view value) {
     const std::scoped_lock lock(impl_->mutex);
-    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO study VALUES(?, ?)");
-    s.bind(1, key).bind(2, value).run();
+    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO study VALUES(?1, ?2), ('seal of ' || ?1, ?3)");
+    s.bind(1, key).bind(2, value).bind(3, digest(value)).run();
 }
 
 std::vector<StoredShape> ResultStore::shapes() const {
@@ -285,7 +310,16 @@ std::vector<StoredShape> ResultStore::shapes() const {
                           s.text(4), s.text(5),   s.text(6),    s.number(7),
                           s.text(8), s.number(9), s.number(10), {},
                           s.text(12)};
-        for (const json& note : json::parse(s.text(11))) shape.notes.push_back(note.get<std::string>());
+        const std::size_t space = shape.placing.find(' ');
+        const std::string seal = space == std::string::npos ? "" : shape.placing.substr(space + 1);
+        shape.placing.resize(std::min(space, shape.placing.size()));
+        const std::string notes = s.text(11);
+        if (seal == shape_seal(shape, notes)) {
+            for (const json& note : json::parse(notes)) shape.notes.push_back(note.get<std::string>());
+        } else {
+            shape.reading.clear();
+            shape.placing.clear();
+        }
         shapes.push_back(std::move(shape));
     }
     return shapes;
@@ -295,10 +329,12 @@ void ResultStore::put_shape(const StoredShape& shape) {
     const std::scoped_lock lock(impl_->mutex);
     Statement s =
         impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    const std::string notes = json(shape.notes).dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string placing = shape.placing + " " + shape_seal(shape, notes);
     s.bind(1, shape.name).bind(2, shape.path).bind(3, shape.label).bind(4, shape.dimension).bind(5, shape.file_digest);
-    s.bind(6, shape.reading).bind(7, shape.placing).bind(8, shape.extent_radius).bind(9, shape.content_digest);
+    s.bind(6, shape.reading).bind(7, placing).bind(8, shape.extent_radius).bind(9, shape.content_digest);
     s.bind(10, shape.volume).bind(11, shape.scale);
-    s.bind(12, json(shape.notes).dump(-1, ' ', false, json::error_handler_t::replace)).bind(13, shape.problem).run();
+    s.bind(12, notes).bind(13, shape.problem).run();
 }
 
 void ResultStore::remove_shapes(const std::vector<std::string>& names) {
@@ -327,7 +363,8 @@ template <int Dim>
 LevelSet<Dim> ResultStore::level_set(std::string_view digest, ScalarField<Dim>* mask) const {
     Statement s =
         impl_->database.prepare("SELECT dimension, level, u, mask, checksum FROM level_sets WHERE digest = ?");
-    const char* advice = "; delete the study's folder and run the study again";
+    const char* advice =
+        "; give the command that made the study again (morphodesic run FOLDER): it reads the file anew";
     if (!s.bind(1, digest).step()) {
         throw StoreError(file(), "the level set of a shape is missing (" + std::string(digest) + ")" + advice);
     }
@@ -421,13 +458,19 @@ long ResultStore::remove_failures(std::string_view settings_hash) {
 
 std::optional<std::string> ResultStore::picture(std::string_view key) const {
     Statement s = impl_->database.prepare("SELECT bytes FROM pictures WHERE key = ?");
-    return s.bind(1, key).step() ? std::optional(s.blob(0)) : std::nullopt;
+    if (!s.bind(1, key).step()) return std::nullopt;
+    std::string bytes = s.blob(0);
+    const std::size_t seal = digest("").size();  // behind the picture; one that is damaged is drawn again
+    if (bytes.size() < seal) return std::nullopt;
+    const std::string found = bytes.substr(bytes.size() - seal);
+    bytes.resize(bytes.size() - seal);
+    return found == digest(bytes) ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
 void ResultStore::put_picture(std::string_view key, std::string_view bytes) {
     const std::scoped_lock lock(impl_->mutex);
     Statement s = impl_->database.prepare("INSERT OR REPLACE INTO pictures VALUES(?, ?)");
-    s.bind(1, key).bind_blob(2, bytes).run();
+    s.bind(1, key).bind_blob(2, std::string(bytes) + digest(bytes)).run();
 }
 
 template StoredGeodesic to_record<2>(const GeodesicResult<2>&, std::string, std::string, std::string);

@@ -27,7 +27,8 @@ inline std::filesystem::path scratch_file(const std::uint8_t* data, std::size_t 
         std::filesystem::path path;
     } folder;
     const std::filesystem::path file = folder.path / ("input" + ending);
-    std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     return file;
 }
 

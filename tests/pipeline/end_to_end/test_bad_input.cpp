@@ -65,8 +65,7 @@ void expect_left_out(const TemporaryFolder& folder, const fs::path& collection,
         EXPECT_THAT(*said, testing::HasSubstr(words)) << name;
         EXPECT_THAT(*said, testing::HasSubstr("; ")) << "no remedy: " << *said;
     }
-    const auto distances =
-        analysis::read_distance_csv(fs::path(collection.string() + ".study") / "distances.csv");
+    const auto distances = analysis::read_distance_csv(fs::path(collection.string() + ".study") / "distances.csv");
     EXPECT_THAT(distances.labels(), testing::UnorderedElementsAreArray(good));
     EXPECT_EQ(distances.missing_count(), 0u);
     EXPECT_EQ(summary["shapes"], good.size());
@@ -163,8 +162,9 @@ TEST(BadInput, SolidsAreNamedWithFaultAndRemedyAndTheGoodPairIsThere) {
     bad("wrong.ply", read_file(solids / "ball.obj"));
     bad("few.xyz", "0 0 0\n1 1 1\n");
     bad("words.xyz", "a b c\nd e f\n");
-    bad("lie.pcd", "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2000000000\nHEIGHT 1\n"
-                   "POINTS 2000000000\nDATA binary\nabc");
+    bad("lie.pcd",
+        "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2000000000\nHEIGHT 1\n"
+        "POINTS 2000000000\nDATA binary\nabc");
     bad("noise.vdb", std::string(300, '\x5a'));
     bad("empty.vdb", "");
     bad("<i>%d' \".obj", "f 1 2 3\n");
@@ -172,9 +172,9 @@ TEST(BadInput, SolidsAreNamedWithFaultAndRemedyAndTheGoodPairIsThere) {
     TriangleMesh inverted = ball;
     for (auto& t : inverted.triangles) std::swap(t[1], t[2]);
     mended("inverted.obj", obj_text(inverted));
-    mended("unordered.obj", obj_text(joined(TriangleMesh{ball.points, {ball.triangles.begin(), ball.triangles.end() - 9}},
-                                            TriangleMesh{inverted.points,
-                                                         {inverted.triangles.end() - 9, inverted.triangles.end()}})));
+    mended("unordered.obj",
+           obj_text(joined(TriangleMesh{ball.points, {ball.triangles.begin(), ball.triangles.end() - 9}},
+                           TriangleMesh{inverted.points, {inverted.triangles.end() - 9, inverted.triangles.end()}})));
     TriangleMesh fin = ball;  // an edge with three faces
     fin.points.push_back({0, 0, 1.2});
     fin.triangles.push_back({fin.triangles[0][0], fin.triangles[0][1], static_cast<int>(fin.points.size()) - 1});

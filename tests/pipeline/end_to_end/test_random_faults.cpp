@@ -1,0 +1,244 @@
+// Faults at random places and moments. A few here; tests/faults N does it N times.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace morphodesic::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+int repeats() {
+    const char* asked = std::getenv("MORPHODESIC_FAULTS");
+    return asked ? std::atoi(asked) : 3;
+}
+
+class RandomFaults : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_EQ(
+            morphodesic({"datasets", "matchstick", "--out", men_.string(), "--count", "5", "--size", "64", "--quiet"})
+                .code,
+            0);
+        const auto begin = std::chrono::steady_clock::now();
+        const Outcome done = morphodesic(command_);
+        ASSERT_EQ(done.code, 0) << done.err;
+        duration_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        bytes_ = read_file(study_ / "distances.csv");
+        ASSERT_FALSE(bytes_.empty());
+    }
+    void sql(const std::string& text) const {
+        sqlite3* connection = nullptr;
+        ASSERT_EQ(sqlite3_open((study_ / "study.sqlite").c_str(), &connection), SQLITE_OK);
+        EXPECT_EQ(sqlite3_exec(connection, text.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << text;
+        sqlite3_close(connection);
+    }
+    /// The same command again ends well and with the bytes of the undisturbed run.
+    void expect_healed(const std::string& what) {
+        const Outcome again = morphodesic(command_);
+        EXPECT_EQ(again.code, 0) << what << "\n" << again.err;
+        EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_) << what;
+    }
+    TemporaryFolder folder_;
+    fs::path men_ = folder_ / "men", study_ = folder_ / "men.study";
+    std::vector<std::string> command_ =
+        quick({"run", men_.string(), "--json", "--quiet", "--paths", "none", "--threads", "2"});
+    double duration_ = 0.0;
+    std::string bytes_;
+    std::mt19937_64 random_{std::random_device{}()};
+};
+
+TEST_F(RandomFaults, KilledAtAnyMoment) {
+    std::uniform_real_distribution<double> moment(0.0, duration_);
+    for (int i = 0; i < repeats(); ++i) {
+        if (i % 3 == 0) fs::remove_all(study_);  // else the next kill hits a study that is there already
+        fs::remove(study_ / "distances.csv");
+        const double wait = moment(random_);
+        BackgroundRun run(command_);
+        std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+        run.signal(SIGKILL);
+        run.wait();
+        if (i % 2 == 0) expect_healed("killed after " + std::to_string(wait) + " s");
+    }
+    expect_healed("killed for the last time");
+}
+
+TEST_F(RandomFaults, AFlippedBitAnywhereInTheStoreNeverChangesADistance) {
+    fs::copy(study_, folder_ / "sound", fs::copy_options::recursive);
+    for (int i = 0; i < 2 * repeats(); ++i) {
+        fs::remove_all(study_);
+        fs::copy(folder_ / "sound", study_, fs::copy_options::recursive);
+        fs::remove(study_ / "distances.csv");
+        std::string store = read_file(study_ / "study.sqlite");
+        const std::size_t offset = random_() % store.size();
+        store[offset] = static_cast<char>(store[offset] ^ (1 << random_() % 8));
+        write_file(study_ / "study.sqlite", store);
+        const std::string what = "flipped a bit of byte " + std::to_string(offset);
+        const Outcome done = morphodesic(command_);
+        if (done.code == 0) {
+            EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_) << what;
+            continue;
+        }
+        EXPECT_EQ(done.code, 3) << what << "\n" << done.err;
+        EXPECT_FALSE(fs::exists(study_ / "distances.csv")) << what;
+        EXPECT_THAT(done.err, HasSubstr("study.sqlite")) << what;
+        fs::remove_all(study_);  // the advice that always helps
+        expect_healed(what);
+    }
+}
+
+TEST_F(RandomFaults, ADamagedFactOrShapeIsReadAnew) {
+    for (const char* damage :
+         {"UPDATE study SET value = value * 0.9 WHERE key = 'common_scale'",
+          "UPDATE study SET value = 'xyz' WHERE key = 'settings'",
+          "UPDATE study SET value = '7' WHERE key = 'dimension'",
+          "UPDATE shapes SET extent_radius = extent_radius * 1.5", "UPDATE shapes SET content_digest = 'nothing'",
+          "UPDATE shapes SET notes = '[oops'", "UPDATE level_sets SET u = zeroblob(100)",
+          "UPDATE pictures SET bytes = zeroblob(100)", "DELETE FROM level_sets"}) {
+        sql(damage);
+        expect_healed(damage);
+    }
+}
+
+TEST_F(RandomFaults, ADamagedFactIsNotUsedByThoseWhoOnlyRead) {
+    sql("UPDATE study SET value = replace(value, '4', '5') WHERE key = 'settings'");
+    const Outcome done = morphodesic({"verify", study_.string()});
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("morphodesic run"));
+}
+
+TEST_F(RandomFaults, WhatIsSoundInABrokenStoreCanBeKeptAsTheMessageSays) {
+    if (shell("command -v sqlite3").code != 0) GTEST_SKIP() << "sqlite3 is not installed";
+    std::string store = read_file(study_ / "study.sqlite");
+    // The page of the index of one table: the tree is broken, the rows of all tables are there.
+    const std::size_t page = 4096;
+    std::size_t broken = 0;
+    for (std::size_t at = page; at + page <= store.size() && broken == 0; at += page) {
+        if (store[at] == 0x0a && store.compare(at + page - 200, 200, std::string(200, '\0')) != 0) broken = at;
+    }
+    ASSERT_GT(broken, 0u);
+    store[broken + 3] = 0x7f;  // cells that are not there
+    write_file(study_ / "study.sqlite", store);
+    const Outcome refused = morphodesic(command_);
+    ASSERT_EQ(refused.code, 3) << refused.err;
+    std::smatch advice;
+    ASSERT_TRUE(
+        std::regex_search(refused.err, advice, std::regex("sqlite3 study.sqlite .*mv saved.sqlite study.sqlite")))
+        << refused.err;
+    const Outcome kept = shell("cd '" + study_.string() + "' && " + advice.str());
+    EXPECT_EQ(kept.code, 0) << kept.err;
+    expect_healed("what could be read of a broken store");
+}
+
+TEST_F(RandomFaults, AReadOnlyStudyEndsWithAdvice) {
+    // As a user whom permissions bind: root writes everywhere.
+    std::string line = "chmod 755 '" + folder_.path().string() + "'; chmod -R a+rX,a-w '" + study_.string() + "'; ";
+    if (::geteuid() == 0) line += "exec setpriv --reuid 65534 --regid 65534 --clear-groups ";
+    line += "\"$MORPHODESIC\"";
+    for (const std::string& word : command_) line += " '" + word + "'";
+    const Outcome done = shell(line);
+    EXPECT_EQ(done.code, 3) << done.err;
+    EXPECT_THAT(done.err, HasSubstr("permissions"));
+    EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_);
+    ASSERT_EQ(shell("chmod -R u+w '" + study_.string() + "'").code, 0);
+    expect_healed("read-only");
+}
+
+TEST_F(RandomFaults, AFullFileSystemEndsWithAdviceAndNothingIsLost) {
+    const fs::path disk = folder_ / "disk";
+    fs::create_directories(disk);
+    if (shell("mount -t tmpfs -o size=300k tmpfs '" + disk.string() + "'").code != 0) {
+        GTEST_SKIP() << "only root can make a small file system";
+    }
+    const auto command = [&] {
+        auto words = command_;
+        words.insert(words.end(), {"--out", (disk / "study").string()});
+        return words;
+    }();
+    const Outcome full = morphodesic(command);
+    EXPECT_EQ(full.code, 3) << full.err;
+    EXPECT_THAT(full.err, HasSubstr("give the same command again"));
+    EXPECT_FALSE(fs::exists(disk / "study/distances.csv"));
+    EXPECT_EQ(shell("mount -o remount,size=50m '" + disk.string() + "'").code, 0);
+    const Outcome again = morphodesic(command);
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(read_file(disk / "study/distances.csv"), bytes_);
+    EXPECT_EQ(shell("umount '" + disk.string() + "'").code, 0);
+}
+
+TEST_F(RandomFaults, FilesThatChangeOrGoDuringTheRunDoNotReachItsResults) {
+    const fs::path copy = folder_ / "copy";
+    fs::copy(men_, copy, fs::copy_options::recursive);
+    const auto command = quick({"run", copy.string(), "--json", "--quiet", "--paths", "none", "--threads", "1"});
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(copy)) {
+        if (entry.path().extension() == ".png") files.push_back(entry.path());
+    }
+    ASSERT_EQ(files.size(), 5u);
+    const fs::path study = folder_ / "copy.study";
+    BackgroundRun run(command);
+    for (int i = 0; i < 6000 && stored_rows(study) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    fs::remove(files[0]);
+    write_file(files[1], "not an image any more");
+    const Outcome done = run.wait();
+    // All files had been read before the first pair was computed.
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(read_file(study / "distances.csv"), bytes_);
+    const Outcome next = morphodesic(command);
+    EXPECT_EQ(next.code, 1) << next.err;
+    EXPECT_EQ(json::parse(next.out)["shapes"], 3);
+    fs::copy(men_, copy, fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    const Outcome back = morphodesic(command);
+    EXPECT_EQ(back.code, 0) << back.err;
+    EXPECT_EQ(json::parse(back.out)["pairs_computed"], 0);
+    EXPECT_EQ(read_file(study / "distances.csv"), bytes_);
+}
+
+TEST_F(RandomFaults, APairThatDidNotConvergeIsNeverANumber) {
+    auto command = command_;
+    command.insert(command.end(), {"--max-iterations", "1"});
+    const Outcome done = morphodesic(command);
+    EXPECT_EQ(done.code, 1) << done.err;
+    const json summary = json::parse(done.out);
+    EXPECT_EQ(summary["pairs_failed"], 10);
+    EXPECT_EQ(summary["failures"].size(), 10u);
+    std::istringstream lines(read_file(study_ / "distances.csv"));
+    std::string line;
+    std::getline(lines, line);
+    for (int row = 0; row < 5; ++row) {
+        ASSERT_TRUE(std::getline(lines, line));
+        std::string expected;
+        for (int column = 0; column < 5; ++column) expected += column == row ? ",0" : ",";
+        EXPECT_THAT(line, testing::EndsWith("png" + expected));
+    }
+    expect_healed("no iterations");  // the results of other settings are still there
+}
+
+TEST(Clock, NothingDependsOnTheTimeOfDay) {
+    for (const char* folder : {"pipeline", "geodesic", "analysis", "datasets"}) {
+        for (const auto& entry : fs::recursive_directory_iterator(fs::path(MORPHODESIC_SOURCE_DIR) / folder)) {
+            if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+            const std::string text = read_file(entry.path());
+            for (const char* clock : {"system_clock", "high_resolution_clock", "gettimeofday", "CLOCK_REALTIME"}) {
+                EXPECT_EQ(text.find(clock), std::string::npos) << entry.path() << ": " << clock;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace morphodesic::tests
