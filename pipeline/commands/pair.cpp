@@ -8,6 +8,7 @@
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/summary.h"
+#include "pipeline/figures/pair_pictures.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/path_files.h"
 #include "pipeline/solid_paths.h"
@@ -90,6 +91,9 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
         if constexpr (Dim == 3) {
             const std::vector<std::string> solids = write_path_solids(folder, "", path);
             files.insert(files.end(), solids.begin(), solids.end());
+        }
+        if (problem.empty()) {
+            for (std::string& name : write_pair_pictures(folder.path(), path)) files.push_back(std::move(name));
         }
         folder.write("geodesic.json",
                      summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

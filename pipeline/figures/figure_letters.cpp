@@ -5,6 +5,7 @@
 #include "datasets/synthetic.h"
 #include "geodesic/grid/measures.h"
 #include "geodesic/solver/path_interpolation.h"
+#include "geodesic/solver/volume_constraint.h"
 #include "pipeline/figures/animation.h"
 #include "pipeline/figures/path_rows.h"
 
@@ -16,63 +17,79 @@ constexpr const char* font = "DejaVuSans-Bold";
 }  // namespace
 
 Figure figure_cracks(const FigureOptions& options) {
-    GeodesicOptions free = options.geodesic();
-    GeodesicOptions rounded_corners = free;
-    rounded_corners.area_weight = 0.005;
-    rounded_corners.preserve_volume = true;
+    const GeodesicOptions free = options.geodesic();
     const LevelSet<2> x = letter_shape("X", font, free);
     // The same area for both, so that it can be kept.
-    const LevelSet<2> m = letter_shape("M", font, free, measure(x).volume);
+    const LevelSet<2> m = letter_shape("M", font, free, enclosed_volume<2>(x.grid, x.values.data()));
+    struct Case {
+        double nu;
+        bool keep;
+        std::vector<std::string> words;
+    };
+    // 0.005 is the paper's value; how strong that is depends on its unknown unit of mu, so ten times that is shown,
+    // too.
+    const std::vector<Case> cases{{0.0, false, {"nu = 0"}},
+                                  {0.005, true, {"nu = 0.005,", "area kept"}},
+                                  {0.05, true, {"nu = 0.05,", "area kept"}}};
 
     Figure figure;
     figure.name = "figure-7";
     figure.title = "From X to M: without a contour length term, and with it and area preservation";
-    const auto cracked = compute_discrete_geodesic<2>(x, m, free);
-    const auto smooth = compute_discrete_geodesic<2>(x, m, rounded_corners);
-    add_path_numbers(figure.numbers, "nu=0", cracked);
-    add_path_numbers(figure.numbers, "nu=0.005, area preserved", smooth);
+    std::vector<GeodesicResult<2>> paths;
+    std::vector<ScalarField<2>> all;
+    std::vector<LevelSet<2>> bodies;
+    std::string summaries;
+    std::vector<double> longest;
+    for (const Case& c : cases) {
+        GeodesicOptions settings = free;
+        settings.area_weight = c.nu;
+        settings.preserve_volume = c.keep;
+        paths.push_back(compute_discrete_geodesic<2>(x, m, settings));
+        const auto& path = paths.back();
+        const std::string name = "nu = " + rounded(c.nu) + (c.keep ? ", area kept" : "");
+        add_path_numbers(figure.numbers, name, path);
+        figure.checks.push_back(solved(name, path));
+        summaries += (summaries.empty() ? "" : "; ") + name + ": " + path_summary(path);
+        double most = 0, drift = 0;
+        const double area = enclosed_volume<2>(path.shapes[0].grid, path.shapes[0].values.data());
+        for (std::size_t k = 1; k + 1 < path.shapes.size(); ++k) {
+            const auto& u = path.shapes[k];
+            most = std::max(most, measure(u).surface);
+            drift = std::max(drift, std::abs(enclosed_volume<2>(u.grid, u.values.data()) / area - 1));
+        }
+        longest.push_back(most);
+        if (c.keep) {
+            figure.checks.push_back({name + ": largest change of the area", rounded(100 * drift, 2) + " %",
+                                     options.quick ? "within 1 %" : "within 0.5 %",
+                                     drift < (options.quick ? 0.01 : 0.005)});
+        }
+        const auto rates = dissipation_rates(path);
+        all.insert(all.end(), rates.begin(), rates.end());
+        bodies.insert(bodies.end(), path.shapes.begin(), path.shapes.end() - 1);
+    }
+    figure.checks.push_back({"longest contour between, nu = 0, 0.005, 0.05",
+                             rounded(longest[0]) + ", " + rounded(longest[1]) + ", " + rounded(longest[2]),
+                             "that of nu = 0.05 is the shortest", longest[2] < longest[0] && longest[2] < longest[1]});
 
-    const std::size_t shapes = cracked.shapes.size();
-    reports::Svg svg(80 + 104.0 * static_cast<double>(shapes), 480);
+    reports::Svg svg(80 + 104.0 * static_cast<double>(paths[0].shapes.size()), 700);
     Row row{70, 8, 100, 4, 0.72, {0.5, 0.5}, 1.0};
-    const auto rates = dissipation_rates(cracked), smooth_rates = dissipation_rates(smooth);
-    auto all = rates;
-    all.insert(all.end(), smooth_rates.begin(), smooth_rates.end());
-    auto bodies = cracked.shapes;
-    bodies.pop_back();
-    bodies.insert(bodies.end(), smooth.shapes.begin(), smooth.shapes.end());
     const double high = upper_end(all, bodies);
-    for (const bool is_smooth : {false, true}) {
-        const auto& path = is_smooth ? smooth : cracked;
-        svg.text(8, row.y + 45, is_smooth ? "nu = 0.005," : "nu = 0", 11);
-        if (is_smooth) svg.text(8, row.y + 60, "area kept", 11);
-        draw_shapes(svg, row, path.shapes, "#565f6c");
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        for (std::size_t line = 0; line < cases[i].words.size(); ++line) {
+            svg.text(8, row.y + 45 + 15 * static_cast<double>(line), cases[i].words[line], 11);
+        }
+        draw_shapes(svg, row, paths[i].shapes, "#565f6c");
         row.y += 104;
-        draw_dissipation(svg, row, path, is_smooth ? smooth_rates : rates, high);
-        row.y += 108;
+        draw_dissipation(svg, row, paths[i], dissipation_rates(paths[i]), high);
+        row.y += 112;
     }
     colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
                "viscous dissipation rate density (1), mu per squared path time");
     figure.svg = svg.document(figure.title);
-
-    double longest_free = 0, longest_smooth = 0, drift = 0;
-    const double area = measure(x).volume;
-    for (std::size_t k = 1; k + 1 < shapes; ++k) {
-        longest_free = std::max(longest_free, measure(cracked.shapes[k]).surface);
-        const ShapeMeasures now = measure(smooth.shapes[k]);
-        longest_smooth = std::max(longest_smooth, now.surface);
-        drift = std::max(drift, std::abs(now.volume / area - 1));
-    }
     figure.caption =
-        "Top: nu = 0, cracks may form. Bottom: nu = 0.005 and the area kept along the path. X and M have the "
-        "same area. Top: " +
-        path_summary(cracked) + "; bottom: " + path_summary(smooth) + ".";
-    figure.checks = {
-        solved("nu = 0", cracked),
-        solved("nu = 0.005", smooth),
-        {"longest contour between, nu = 0.005", rounded(longest_smooth),
-         "shorter than with nu = 0: " + rounded(longest_free), longest_smooth < longest_free},
-        {"largest change of the area, nu = 0.005", rounded(100 * drift, 2) + " %", "within 0.5 %", drift < 0.005}};
+        "Without the contour length term cracks form; with it they are damped and corners are rounded. X and M "
+        "have the same area; where it is kept, it is kept in every shape between. " +
+        summaries + ".";
     return figure;
 }
 
@@ -84,16 +101,18 @@ Figure figure_two_geodesics(const FigureOptions& options) {
     figure.name = "two-geodesics";
     figure.title = "Two geodesics from A to B, a lower and a higher one";
     // Local minima are found from different places and turns of A; what differs in topology on the way is another path.
+    FigureTable starts;
+    starts.columns = {"rank", "shift_y", "turn_radians", "total_energy", "path_length", "euler_numbers", "shown"};
     struct Found {
         GeodesicResult<2> path;
         double shift, turn;
     };
     std::vector<Found> found;
     GeodesicOptions scout = settings;
-    scout.level = std::min(settings.level, 6);
+    scout.level = 5;
     const int shape_grid = a.grid.level();
-    for (const double turn : {0.0, -0.25, 0.25}) {
-        for (const double shift : {0.0, 0.07, -0.07, 0.14, -0.14}) {
+    for (const double turn : {0.0, -0.3}) {
+        for (const double shift : {0.0, -0.04, -0.08, -0.12, -0.16, -0.20, 0.10}) {
             RigidMotion<2> motion;
             motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
             motion.translation = {0.0, shift};
@@ -113,6 +132,14 @@ Figure figure_two_geodesics(const FigureOptions& options) {
                                         found[other].path.total_energy < 1.05 * found[0].path.total_energy)) {
         ++other;
     }
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        std::string euler;
+        for (const int e : signature(found[i].path)) euler += (euler.empty() ? "" : " ") + std::to_string(e);
+        starts.add({std::to_string(i + 1), exact(found[i].shift), exact(found[i].turn),
+                    exact(found[i].path.total_energy), exact(found[i].path.path_length), euler,
+                    i == 0 || i == other ? "shown" : ""});
+    }
+    figure.files.push_back({"two-geodesics-starts.csv", starts.csv()});
     std::vector<GeodesicResult<2>> paths;
     for (const std::size_t i : {std::size_t{0}, other}) {
         RigidMotion<2> motion;

@@ -5,6 +5,7 @@
 
 #include "datasets/synthetic.h"
 #include "geodesic/grid/measures.h"
+#include "geodesic/solver/volume_constraint.h"
 #include "pipeline/path_pictures.h"
 #include "pipeline/run_settings.h"
 
@@ -34,7 +35,7 @@ LevelSet<2> letter_shape(const std::string& character, const std::string& font, 
     const auto place = [&] { return datasets::shape_of(drawing, shape_level(2, options)).level_set; };
     LevelSet<2> shape = place();
     for (int round = 0; round < 3 && area > 0; ++round) {
-        const double scale = std::sqrt(area / measure(shape).volume);
+        const double scale = std::sqrt(area / enclosed_volume<2>(shape.grid, shape.values.data()));
         for (datasets::Loop& loop : drawing.polygons) {
             for (Point<2>& p : loop) p = {0.5 + scale * (p[0] - 0.5), 0.5 + scale * (p[1] - 0.5)};
         }

@@ -1,0 +1,150 @@
+#include "pipeline/figures/pair_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "geodesic/grid/q1_element.h"
+#include "geodesic/solver/path_interpolation.h"
+#include "pipeline/figures/animation.h"
+#include "pipeline/figures/solid_rows.h"
+#include "pipeline/path_pictures.h"
+#include "pipeline/store_error.h"
+#include "reports/figures.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+constexpr const char* dissipation_title = "viscous dissipation rate density (1), mu per squared path time";
+
+/// Lines of a regular grid, carried along by a deformation, inside a panel.
+void draw_grid(reports::Svg& svg, const Panel& panel, const Deformation<2>& phi) {
+    constexpr int lines = 20, points = 80;
+    const double low = panel.centre[0] - 0.5 * panel.span;
+    for (int axis = 0; axis < 2; ++axis) {
+        for (int i = 0; i <= lines; ++i) {
+            std::vector<std::pair<double, double>> line;
+            for (int j = 0; j <= points; ++j) {
+                const double along = low + panel.span * j / points, fixed = low + panel.span * i / lines;
+                const Point<2> x = axis == 0 ? Point<2>{along, fixed} : Point<2>{fixed, along};
+                Point<2> y = x;
+                for (std::size_t a = 0; a < 2; ++a) {
+                    y[a] += q1::value(phi.grid(), phi.displacement.components[a].data(), x);
+                }
+                const auto place = panel.at(y);
+                line.emplace_back(std::clamp(place.first, panel.x, panel.x + panel.width),
+                                  std::clamp(place.second, panel.y, panel.y + panel.height));
+            }
+            svg.polyline(line, "#7d8896", 0.6);
+        }
+    }
+}
+
+/// Bars of energy and length of the steps.
+template <int Dim>
+void draw_steps(reports::Svg& svg, double x, double y, double width, const GeodesicResult<Dim>& path) {
+    const std::size_t steps = path.deformation_energy.size();
+    const auto bars = [&](double at, const std::string& title, const std::string& colour, const auto& value) {
+        double high = 0;
+        for (std::size_t k = 0; k < steps; ++k) high = std::max(high, value(k));
+        const reports::Scale sx{0.5, static_cast<double>(steps) + 0.5, at + 60, at + width},
+            sy{0, 1.1 * std::max(high, 1e-300), y + 120, y + 16};
+        for (const double v : reports::ticks(sy.low, sy.high, 4)) {
+            svg.line(sx.from, sy(v), sx.to, sy(v), "#e6e9ee");
+            svg.text(sx.from - 6, sy(v), rounded(v, 3), 10, "end");
+        }
+        const double bar = 0.6 * (sx.to - sx.from) / static_cast<double>(steps);
+        for (std::size_t k = 0; k < steps; ++k) {
+            const double centre = sx(static_cast<double>(k + 1));
+            svg.rect(centre - bar / 2, sy(value(k)), bar, sy.from - sy(value(k)), colour);
+            svg.text(centre, sy.from + 11, std::to_string(k + 1), 10, "middle");
+        }
+        svg.line(sx.from, sy.from, sx.to, sy.from, "#8b95a3");
+        svg.text((sx.from + sx.to) / 2, y, title, 11, "middle");
+    };
+    bars(x, "deformation energy of the step", "#1f4e8c", [&](std::size_t k) { return path.deformation_energy[k]; });
+    bars(x + width + 30, "length of the step", "#3f7f6b",
+         [&](std::size_t k) { return std::sqrt(path.deformation_energy[k]); });
+}
+
+void write(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream stream(file, std::ios::binary);
+    stream << bytes;
+    stream.close();
+    if (!stream) throw StoreError(file, "cannot be written; is the disk full or the folder protected?");
+}
+
+}  // namespace
+
+template <int Dim>
+Figure path_figure_of(const GeodesicResult<Dim>& path) {
+    Figure figure;
+    figure.name = "path";
+    figure.title = "Discrete geodesic, path length " + rounded(path.path_length);
+    add_path_numbers(figure.numbers, "path", path);
+    const std::size_t shapes = path.shapes.size();
+    const double cell = Dim == 2 ? 120 : 200, width = std::max(20 + (cell + 4) * static_cast<double>(shapes), 560.0);
+    reports::Svg svg(width, Dim == 2 ? 4 * (cell + 4) + 220 : 3 * (cell * 0.8 + 4) + 240);
+    Row row{10, 8, cell, 4, 0.8, {0.5, 0.5}, 1.0};
+    if constexpr (Dim == 2) {
+        const auto rates = dissipation_rates(path);
+        const double high = upper_end(rates, path.shapes);
+        draw_shapes(svg, row, path.shapes, "#565f6c");
+        row.y += cell + 4;
+        draw_dissipation(svg, row, path, rates, high);
+        row.y += cell + 8;
+        colour_bar(svg, width / 2 - 200, row.y, 400, dissipation_colour, 0, high, dissipation_title);
+        row.y += 36;
+        draw_level_lines(svg, row, path, 0.02);
+        row.y += cell + 4;
+        for (std::size_t k = 0; k < shapes; ++k) {
+            const Panel panel = row.panel(k);
+            fill_shape(svg, panel, path.shapes[k], "#d9dee5");
+            draw_grid(svg, panel, deformation_at(path, static_cast<double>(k) / static_cast<double>(shapes - 1)));
+            outline_shape(svg, panel, path.shapes[k], "#1b2430", 1.2);
+        }
+        row.y += cell + 22;
+        figure.files.push_back({"path.webp", path_animation(path, 320, 33)});
+    } else {
+        const PathPictures coloured = path_pictures<Dim>(path, 400);
+        for (std::size_t k = 0; k < shapes; ++k) {
+            const Panel panel = row.panel(k);
+            const double step = 0.8 * cell;
+            const auto frame = [&](double y, const RgbaImage& image) {
+                svg.image(panel.x, y, panel.width, panel.width, encode_png(image));
+            };
+            frame(row.y - 20, shape_picture<Dim>(path.shapes[k], 400));
+            if (k + 1 < shapes) frame(row.y - 20 + step, coloured.frames[k]);
+            frame(row.y + 20 + 2 * step, cut_picture(path.shapes[k], 400, 0.02));
+        }
+        colour_bar(svg, width / 2 - 200, row.y + 1.9 * 0.8 * cell, 400, dissipation_colour, 0, coloured.highest,
+                   dissipation_title);
+        row.y += 3 * 0.8 * cell + 70;
+    }
+    draw_steps(svg, 10, row.y, std::min(0.5 * (width - 60), 380.0), path);
+    figure.svg = svg.document(figure.title);
+    figure.caption = path_summary(path);
+    figure.checks = {solved("path", path)};
+    return figure;
+}
+
+template <int Dim>
+std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder, const GeodesicResult<Dim>& path) {
+    const Figure figure = path_figure_of(path);
+    std::vector<std::string> names{"path.png", "path.svg", "path.csv"};
+    write(folder / names[0], reports::svg_to_png(figure.svg, figure.png_width));
+    write(folder / names[1], figure.svg);
+    write(folder / names[2], figure.numbers.csv());
+    for (const FigureFile& file : figure.files) {
+        write(folder / file.name, file.bytes);
+        names.push_back(file.name);
+    }
+    return names;
+}
+
+template Figure path_figure_of<2>(const GeodesicResult<2>&);
+template Figure path_figure_of<3>(const GeodesicResult<3>&);
+template std::vector<std::string> write_pair_pictures<2>(const std::filesystem::path&, const GeodesicResult<2>&);
+template std::vector<std::string> write_pair_pictures<3>(const std::filesystem::path&, const GeodesicResult<3>&);
+
+}  // namespace morphodesic::pipeline
