@@ -73,7 +73,7 @@ Figure figure_bars(const FigureOptions& options) {
     draw_dissipation(svg, row, paths.back(), rates, high);
     svg.text(24, row.y + 40, "dissi-", 11, "middle");
     svg.text(24, row.y + 53, "pation", 11, "middle");
-    colour_bar(svg, row.x + 250, row.y + 94, 400, dissipation_colour, 0, high,
+    colour_bar(svg, 30 + 52.0 * static_cast<double>(columns) - 200, row.y + 94, 400, dissipation_colour, 0, high,
                "viscous dissipation rate density (1), mu per squared path time");
     figure.svg = svg.document(figure.title);
 

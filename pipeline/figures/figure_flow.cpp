@@ -119,7 +119,8 @@ Figure figure_isometry(const FigureOptions& options) {
         compute_discrete_geodesic<2>(level_set_of(creature(0.12, 4, -0.5, 0.27, 0.028), settings),
                                      level_set_of(creature(0.12, 4, 0.5, 0.27, 0.028), settings), settings);
     const std::size_t shapes = stretched.shapes.size();
-    reports::Svg svg(80 + 104.0 * static_cast<double>(shapes), 500);
+    const double width = 80 + 104.0 * static_cast<double>(shapes);
+    reports::Svg svg(width, 500);
     Row row{70, 8, 100, 4, 0.78, {0.5, 0.5}, 1.0};
     for (const auto* path : {&stretched, &bent}) {
         const auto rates = dissipation_rates(*path);
@@ -129,7 +130,7 @@ Figure figure_isometry(const FigureOptions& options) {
         row.y += 104;
         draw_dissipation(svg, row, *path, rates, high);
         row.y += 106;
-        colour_bar(svg, 320, row.y, 400, dissipation_colour, 0, high,
+        colour_bar(svg, 0.5 * width - 200, row.y, 400, dissipation_colour, 0, high,
                    "viscous dissipation rate density (1), mu per squared path time");
         row.y += 40;
         add_path_numbers(figure.numbers, path == &stretched ? "stretching" : "bending", *path);

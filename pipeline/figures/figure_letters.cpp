@@ -71,7 +71,8 @@ Figure figure_cracks(const FigureOptions& options) {
                              rounded(longest[0]) + ", " + rounded(longest[1]) + ", " + rounded(longest[2]),
                              "that of nu = 0.05 is the shortest", longest[2] < longest[0] && longest[2] < longest[1]});
 
-    reports::Svg svg(80 + 104.0 * static_cast<double>(paths[0].shapes.size()), 700);
+    const double width = 80 + 104.0 * static_cast<double>(paths[0].shapes.size());
+    reports::Svg svg(width, 700);
     Row row{70, 8, 100, 4, 0.72, {0.5, 0.5}, 1.0};
     const double high = upper_end(all, bodies);
     for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -83,7 +84,7 @@ Figure figure_cracks(const FigureOptions& options) {
         draw_dissipation(svg, row, paths[i], dissipation_rates(paths[i]), high);
         row.y += 112;
     }
-    colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
+    colour_bar(svg, 0.5 * width - 200, row.y + 10, 400, dissipation_colour, 0, high,
                "viscous dissipation rate density (1), mu per squared path time");
     figure.svg = svg.document(figure.title);
     figure.caption =
@@ -150,7 +151,8 @@ Figure figure_two_geodesics(const FigureOptions& options) {
     }
     if (paths[1].total_energy < paths[0].total_energy) std::swap(paths[0], paths[1]);
     const std::size_t shapes = paths[0].shapes.size();
-    reports::Svg svg(80 + 104.0 * static_cast<double>(shapes), 490);
+    const double width = 80 + 104.0 * static_cast<double>(shapes);
+    reports::Svg svg(width, 490);
     Row row{70, 8, 100, 4, 0.8, {0.5, 0.5}, 1.0};
     std::vector<ScalarField<2>> all;
     std::vector<LevelSet<2>> bodies;
@@ -170,7 +172,7 @@ Figure figure_two_geodesics(const FigureOptions& options) {
         draw_dissipation(svg, row, paths[i], dissipation_rates(paths[i]), high);
         row.y += 108;
     }
-    colour_bar(svg, 320, row.y + 10, 400, dissipation_colour, 0, high,
+    colour_bar(svg, 0.5 * width - 200, row.y + 10, 400, dissipation_colour, 0, high,
                "viscous dissipation rate density (1), mu per squared path time");
     figure.svg = svg.document(figure.title);
     figure.caption =

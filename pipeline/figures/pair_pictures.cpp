@@ -85,7 +85,7 @@ Figure path_figure_of(const GeodesicResult<Dim>& path) {
     const std::size_t shapes = path.shapes.size();
     const double cell = Dim == 2 ? 120 : 200, width = std::max(20 + (cell + 4) * static_cast<double>(shapes), 560.0);
     reports::Svg svg(width, Dim == 2 ? 4 * (cell + 4) + 220 : 3 * (cell * 0.8 + 4) + 240);
-    Row row{10, 8, cell, 4, 0.8, {0.5, 0.5}, 1.0};
+    Row row{10, 8, cell, 4, 0.92, {0.5, 0.5}, 1.0};
     if constexpr (Dim == 2) {
         const auto rates = dissipation_rates(path);
         const double high = upper_end(rates, path.shapes);
