@@ -11,10 +11,12 @@ namespace {
 
 constexpr const char* dissipation_title = "viscous dissipation rate density (1), mu per squared path time";
 
-void draw_frames(reports::Svg& svg, const Row& row, const std::vector<RgbaImage>& frames) {
+/// @param larger  than the panels; what reaches into the neighbours is transparent
+void draw_frames(reports::Svg& svg, const Row& row, const std::vector<RgbaImage>& frames, double larger = 1.0) {
     for (std::size_t k = 0; k < frames.size(); ++k) {
         const Panel panel = row.panel(k);
-        svg.image(panel.x, panel.y, panel.width, panel.width, encode_png(frames[k]));
+        const double side = larger * panel.width, back = 0.5 * (side - panel.width);
+        svg.image(panel.x - back, panel.y - back, side, side, encode_png(frames[k]));
     }
 }
 
@@ -36,10 +38,10 @@ Figure figure_letters_and_solids(const FigureOptions& options) {
     const int pixels = options.quick ? 120 : 360;
     std::vector<RgbaImage> bodies;
     for (const auto& u : animals.shapes) bodies.push_back(shape_picture<3>(u, pixels));
-    draw_frames(svg, row, bodies);
+    draw_frames(svg, row, bodies, 1.35);
     row.y += 108;
     const PathPictures coloured = path_pictures<3>(animals, pixels);
-    draw_frames(svg, row, {coloured.frames.begin(), coloured.frames.end() - 1});
+    draw_frames(svg, row, {coloured.frames.begin(), coloured.frames.end() - 1}, 1.35);
     row.y += 122;
     const double middle = 0.5 * (20 + 124.0 * static_cast<double>(shapes));
     colour_bar(svg, middle - 200, row.y, 400, dissipation_colour, 0, coloured.highest,
@@ -88,19 +90,20 @@ Figure figure_sliced_solids(const FigureOptions& options) {
     const PathPictures coloured = path_pictures<3>(animals, pixels);
     std::vector<RgbaImage> cut;
     for (const auto& u : animals.shapes) cut.push_back(cut_picture(u, pixels, 0.02));
-    const auto lines = [&](const std::vector<RgbaImage>& frames, std::size_t count) {
+    const auto lines = [&](const std::vector<RgbaImage>& frames, std::size_t count, double larger) {
         for (std::size_t from = 0; from < count; from += columns) {
             draw_frames(svg, row,
                         {frames.begin() + static_cast<std::ptrdiff_t>(from),
-                         frames.begin() + static_cast<std::ptrdiff_t>(std::min(from + columns, count))});
+                         frames.begin() + static_cast<std::ptrdiff_t>(std::min(from + columns, count))},
+                        larger);
             row.y += 162;
         }
     };
-    lines(coloured.frames, shapes - 1);
+    lines(coloured.frames, shapes - 1, 1.3);
     row.y += 14;
     colour_bar(svg, width / 2 - 200, row.y, 400, dissipation_colour, 0, coloured.highest, dissipation_title);
     row.y += 32;
-    lines(cut, shapes);
+    lines(cut, shapes, 1.0);
     figure.svg = svg.document(figure.title);
     figure.caption =
         "Top: shapes 0 to K - 1 coloured by the rate of dissipation of their step. Bottom: shapes 0 to K cut "
