@@ -23,7 +23,7 @@ std::string encode_animation(const std::vector<RgbaImage>& frames, int milliseco
         throw std::runtime_error("the installed libwebp does not fit this program");
     }
     config.lossless = 1;
-    config.quality = 60;  // effort
+    config.quality = 40;  // effort
     const std::unique_ptr<WebPAnimEncoder, void (*)(WebPAnimEncoder*)> encoder(
         WebPAnimEncoderNew(frames.front().width, frames.front().height, &options), WebPAnimEncoderDelete);
     int time = 0;

@@ -104,18 +104,18 @@ Figure path_figure_of(const GeodesicResult<Dim>& path) {
             outline_shape(svg, panel, path.shapes[k], "#1b2430", 1.2);
         }
         row.y += cell + 22;
-        figure.files.push_back({"path.webp", path_animation(path, 320, 33)});
     } else {
-        const PathPictures coloured = path_pictures<Dim>(path, 400);
+        constexpr int pixels = 320;
+        const PathPictures coloured = path_pictures<Dim>(path, pixels);
         for (std::size_t k = 0; k < shapes; ++k) {
             const Panel panel = row.panel(k);
             const double step = 0.8 * cell;
             const auto frame = [&](double y, const RgbaImage& image) {
                 svg.image(panel.x, y, panel.width, panel.width, encode_png(image));
             };
-            frame(row.y - 20, shape_picture<Dim>(path.shapes[k], 400));
+            frame(row.y - 20, shape_picture<Dim>(path.shapes[k], pixels));
             if (k + 1 < shapes) frame(row.y - 20 + step, coloured.frames[k]);
-            frame(row.y + 20 + 2 * step, cut_picture(path.shapes[k], 400, 0.02));
+            frame(row.y + 20 + 2 * step, cut_picture(path.shapes[k], pixels, 0.02));
         }
         colour_bar(svg, width / 2 - 200, row.y + 1.9 * 0.8 * cell, 400, dissipation_colour, 0, coloured.highest,
                    dissipation_title);
@@ -135,9 +135,9 @@ std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder
     write(folder / names[0], reports::svg_to_png(figure.svg, figure.png_width));
     write(folder / names[1], figure.svg);
     write(folder / names[2], figure.numbers.csv());
-    for (const FigureFile& file : figure.files) {
-        write(folder / file.name, file.bytes);
-        names.push_back(file.name);
+    if constexpr (Dim == 2) {
+        write(folder / "path.webp", path_animation(path, 256, 25));
+        names.emplace_back("path.webp");
     }
     return names;
 }

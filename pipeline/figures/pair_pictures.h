@@ -14,8 +14,8 @@ namespace morphodesic::pipeline {
 template <int Dim>
 [[nodiscard]] Figure path_figure_of(const GeodesicResult<Dim>& path);
 
-/// Writes path.png, path.svg, path.csv and path.webp (2D), or the shapes as path-k.vdb and path-k.ply with their
-/// dissipation (3D), into a folder that exists.
+/// Writes path.png, path.svg, path.csv and, in 2D, the animation path.webp into a folder that exists. (The solids of the
+/// steps are written by write_path_solids.)
 /// @return the names of the files
 /// @throws StoreError or datasets::WriteError if a file cannot be written
 template <int Dim>
