@@ -172,6 +172,22 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
     }
     add_common(sub, study.common, true);
     if (from_files || computes) add_settings(sub, study.settings, from_files);
+    if (computes || from_files) {
+        PairSelection::for_each_field(study.settings.pairs, [&](const char* field, auto& value, const char* text) {
+            const std::string flag = std::string("--") + field;
+            if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) {
+                sub->add_flag(flag, value, text)->group("Pairs");
+            } else {
+                sub->add_option(flag, value, text)->capture_default_str()->group("Pairs");
+            }
+        });
+    }
+    if (computes) {
+        sub->add_option("--memory", study.memory,
+                        "memory the run may take, such as 4G or 800M: limits the pairs computed at once; default: 80 % "
+                        "of what is available")
+            ->option_text("SIZE");
+    }
     if (computes) sub->add_flag("--retry-failed", study.retry_failed, "compute pairs again that failed before");
     if (name == "run" || name == "report") {
         sub->add_option("--paths", study.paths,

@@ -23,6 +23,7 @@ struct StudyOptions {
     std::filesystem::path collection;  ///< folder of shapes: run, ingest
     std::filesystem::path study;       ///< study folder; empty: beside the collection
     RunSettings settings;
+    std::string memory;         ///< run, geodesics: limit such as 4G; empty: 80 % of what is available
     bool retry_failed = false;  ///< compute pairs anew that failed before
     std::string paths = "12";   ///< none | nearest | all | a number: which paths are drawn, see choose_paths
     analysis::AnalysisOptions analysis;

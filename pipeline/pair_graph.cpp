@@ -11,17 +11,12 @@
 #include <optional>
 #include <set>
 
-#include "pipeline/digest.h"
+#include "pipeline/shape_cache.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-/// Two shapes of Scheduler::shapes; the path runs from a to b.
-struct PairTask {
-    std::size_t a = 0, b = 0;
-};
-
-/// What the serial node `schedule` knows: the shapes that have arrived. Once all have, it lists the missing pairs.
+/// What the serial node `schedule` knows: the shapes that have arrived. Once all have, it lists what is missing.
 template <int Dim>
 class Scheduler {
 public:
@@ -32,10 +27,10 @@ public:
           progress_(progress),
           summary_(summary),
           waiting_(collection.entries.size()),
-          shapes_(collection.entries.size()) {}
+          cache_(store, options.shape_bytes) {}
 
-    /// Returns the missing pairs with the last shape, before that nothing.
-    std::vector<PairTask> arrive(ImportedShape<Dim> shape) {
+    /// Returns the missing geodesics with the last shape, before that nothing.
+    std::vector<GeodesicKey> arrive(const ImportedShape<Dim>& shape) {
         if (shape.fresh) {
             if (shape.level_set) {
                 const ScalarField<Dim> no_mask;
@@ -46,48 +41,39 @@ public:
         store_.put_shape(shape.row);
         if (shape.level_set) {
             ++summary_.shapes;
+            // Files with equal content are one shape.
+            shapes_.emplace(shape.row.content_digest, shape.mask != nullptr);
+            cache_.keep(shape);
         } else {
             ++summary_.shapes_failed;
             progress_.message("left out: " + shape.row.problem);
         }
-        shapes_[shape.index] = std::move(shape);
-        return --waiting_ == 0 ? missing_pairs() : std::vector<PairTask>();
+        return --waiting_ == 0 ? missing() : std::vector<GeodesicKey>();
     }
 
-    [[nodiscard]] const ImportedShape<Dim>& shape(std::size_t index) const { return shapes_[index]; }
+    [[nodiscard]] ImportedShape<Dim> shape(const std::string& digest) { return cache_.get(digest); }
 
 private:
-    std::vector<PairTask> missing_pairs() {
+    std::vector<GeodesicKey> missing() {
         store_.remove_unused_level_sets();
         if (!options_.solve) return {};
-        std::map<std::string, std::size_t> different;  // files with equal content are one shape
-        for (std::size_t i = 0; i < shapes_.size(); ++i) {
-            if (shapes_[i].level_set) different.emplace(shapes_[i].row.content_digest, i);
-        }
         const auto stored = store_.stored_pairs(settings_hash(options_.geodesic), [&](const std::string& damage) {
             progress_.message(damage + "; it is computed again");
         });
-        std::vector<std::pair<std::string, PairTask>> found;
-        for (auto i = different.begin(); i != different.end(); ++i) {
-            for (auto j = std::next(i); j != different.end(); ++j) {
-                const auto key = oriented_pair(i->first, shapes_[i->second].mask != nullptr, j->first,
-                                               shapes_[j->second].mask != nullptr);
-                ++summary_.pairs_total;
-                if (stored.contains(key)) {
-                    ++summary_.pairs_stored;
-                } else {
-                    found.push_back({digest(key.first + key.second), {different[key.first], different[key.second]}});
-                }
+        std::vector<GeodesicKey> missing;
+        for (GeodesicKey& key : wanted_geodesics(shapes_, options_.both_directions)) {
+            if (options_.only && !options_.only->contains(key)) continue;
+            ++summary_.pairs_total;
+            if (stored.contains(key)) {
+                ++summary_.pairs_stored;
+            } else {
+                missing.push_back(std::move(key));
             }
         }
-        // In an order that is as good as random: the first pairs are then a fair sample for the predicted time.
-        std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-        const auto missing = static_cast<long>(found.size());
-        progress_.begin_pairs(summary_.pairs_total, summary_.pairs_stored, missing,
-                              std::min<long>(missing, std::max(8, 4 * options_.threads)));
-        std::vector<PairTask> tasks;
-        for (const auto& [order, task] : found) tasks.push_back(task);
-        return tasks;
+        const auto count = static_cast<long>(missing.size());
+        progress_.begin_pairs(summary_.pairs_total, summary_.pairs_stored, count,
+                              std::min<long>(count, std::max(16, 8 * options_.threads)));
+        return missing;
     }
 
     ResultStore& store_;
@@ -95,16 +81,11 @@ private:
     Progress& progress_;
     PairGraphSummary& summary_;
     std::size_t waiting_;
-    std::vector<ImportedShape<Dim>> shapes_;
+    std::map<std::string, bool> shapes_;  // by digest: has an occlusion mask
+    ShapeCache<Dim> cache_;
 };
 
 }  // namespace
-
-std::pair<std::string, std::string> oriented_pair(const std::string& a, bool a_has_mask, const std::string& b,
-                                                  bool b_has_mask) {
-    const bool keep = a_has_mask != b_has_mask ? a_has_mask : a < b;
-    return keep ? std::pair(a, b) : std::pair(b, a);
-}
 
 template <int Dim>
 StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>& b, const GeodesicOptions& options,
@@ -179,19 +160,21 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
                     return tbb::this_task_arena::isolate([&] { return import_entry<Dim>(collection, index, store); });
                 });
             });
-        flow::multifunction_node<ImportedShape<Dim>, std::tuple<PairTask>> schedule(
+        flow::multifunction_node<ImportedShape<Dim>, std::tuple<GeodesicKey>> schedule(
             graph, flow::serial, [&](const ImportedShape<Dim>& shape, auto& ports) {
                 guarded([&] {
-                    for (const PairTask& task : scheduler.arrive(shape)) std::get<0>(ports).try_put(task);
+                    for (const GeodesicKey& task : scheduler.arrive(shape)) std::get<0>(ports).try_put(task);
                 });
             });
-        flow::queue_node<PairTask> queue(graph);
-        flow::limiter_node<PairTask> limiter(graph, static_cast<std::size_t>(options.pairs_in_flight));
-        flow::function_node<PairTask, std::optional<StoredGeodesic>> solve(
-            graph, flow::unlimited, [&](const PairTask& task) -> std::optional<StoredGeodesic> {
+        flow::queue_node<GeodesicKey> queue(graph);
+        flow::limiter_node<GeodesicKey> limiter(graph, static_cast<std::size_t>(options.pairs_in_flight));
+        flow::function_node<GeodesicKey, std::optional<StoredGeodesic>> solve(
+            graph, flow::unlimited, [&](const GeodesicKey& task) -> std::optional<StoredGeodesic> {
                 if (stop()) return std::nullopt;
-                StoredGeodesic record =
-                    solve_pair<Dim>(scheduler.shape(task.a), scheduler.shape(task.b), options.geodesic, stop);
+                StoredGeodesic record = guarded([&] {
+                    return solve_pair<Dim>(scheduler.shape(task.first), scheduler.shape(task.second), options.geodesic,
+                                           stop);
+                });
                 // A pair that was dropped on request is not a failure; it is simply not there yet.
                 if (record.failure.empty() && record.termination == Termination::cancelled) return std::nullopt;
                 return record;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,32 +12,31 @@
 #include "pipeline/collection.h"
 #include "pipeline/progress.h"
 #include "pipeline/result_store.h"
+#include "pipeline/wanted_pairs.h"
 
 namespace morphodesic::pipeline {
 
 struct PairGraphOptions {
     GeodesicOptions geodesic;
-    bool solve = true;           ///< false: take the shapes in, compute nothing
-    int threads = 1;             ///< >= 1; the results do not depend on it
-    int pairs_in_flight = 1;     ///< >= 1: pairs in memory at once
-    std::function<bool()> stop;  ///< true: drop the pairs in flight and end; may be empty
+    bool solve = true;  ///< false: take the shapes in, compute nothing
+    bool both_directions = false;
+    std::optional<std::set<GeodesicKey>> only;       ///< of all geodesics these, if given
+    int threads = 1;                                 ///< >= 1; the results do not depend on it
+    int pairs_in_flight = 1;                         ///< >= 1: pairs in memory at once
+    std::size_t shape_bytes = std::size_t{1} << 30;  ///< shapes beyond this are read from the store when needed
+    std::function<bool()> stop;                      ///< true: drop the pairs in flight and end; may be empty
 };
 
 struct PairGraphSummary {
     long shapes = 0;         ///< usable files
     long shapes_failed = 0;  ///< files with a problem
-    long pairs_total = 0;    ///< of different shapes: files with equal content count once
+    long pairs_total = 0;    ///< geodesics between different shapes: files with equal content count once
     long pairs_stored = 0;   ///< were in the store before
     long pairs_solved = 0;   ///< computed now
     long pairs_failed = 0;   ///< of these: without a trustworthy distance
     bool stopped = false;
     std::vector<std::string> remarks;
 };
-
-/// Direction of a pair: an occluded shape first (its mask belongs to the first step), else by content digest; so a pair
-/// has the same result whatever its files are called and in whatever order they come.
-[[nodiscard]] std::pair<std::string, std::string> oriented_pair(const std::string& a, bool a_has_mask,
-                                                                const std::string& b, bool b_has_mask);
 
 /// From files to rows in one flow graph:
 ///

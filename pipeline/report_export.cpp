@@ -218,6 +218,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
         model.settings.push_back({name, text, help});
     };
     RunSettings::for_each_field(data.settings, add);
+    PairSelection::for_each_field(data.settings.pairs, add);
     if (const auto scale = store.fact("common_scale"); scale && data.settings.normalize == "common") {
         model.geodesic_options.push_back("--scale=" + *scale);
         model.settings.push_back(

@@ -385,6 +385,13 @@ LevelSet<Dim> ResultStore::level_set(std::string_view digest, ScalarField<Dim>* 
     return result;
 }
 
+std::set<std::string> ResultStore::masked_level_sets() const {
+    Statement s = impl_->database.prepare("SELECT digest FROM level_sets WHERE length(mask) > 0");
+    std::set<std::string> digests;
+    while (s.step()) digests.insert(s.text(0));
+    return digests;
+}
+
 void ResultStore::remove_unused_level_sets() {
     const std::scoped_lock lock(impl_->mutex);
     impl_->database.execute("DELETE FROM level_sets WHERE digest NOT IN (SELECT content_digest FROM shapes)");

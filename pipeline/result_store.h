@@ -88,6 +88,8 @@ public:
     /// @param mask  receives the occlusion mask (empty values if there is none) unless null
     template <int Dim>
     [[nodiscard]] LevelSet<Dim> level_set(std::string_view digest, ScalarField<Dim>* mask = nullptr) const;
+    /// Digests of the level sets that have an occlusion mask.
+    [[nodiscard]] std::set<std::string> masked_level_sets() const;
     /// Deletes level sets that no file of the collection has any more.
     void remove_unused_level_sets();
 

@@ -87,7 +87,7 @@ RunSettings settings_of_preset(const std::string& name) {
 }
 
 std::string canonical_text(const RunSettings& settings) {
-    return "preset = " + value_text(settings.preset) + "\n" + lines_of(settings);
+    return "preset = " + value_text(settings.preset) + "\n" + lines_of(settings) + lines_of(settings.pairs);
 }
 std::string canonical_text(const GeodesicOptions& options) {
     return lines_of(options);
@@ -120,6 +120,7 @@ RunSettings settings_from_text(const std::string& text) {
     };
     take("preset", settings.preset, "");
     RunSettings::for_each_field(settings, take);
+    PairSelection::for_each_field(settings.pairs, take);
     if (used != table.size()) throw std::invalid_argument("there is a setting this program does not know");
     return settings;
 }

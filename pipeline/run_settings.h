@@ -9,6 +9,17 @@
 
 namespace morphodesic::pipeline {
 
+/// Which geodesics of a study are computed. Not part of the settings hash: a geodesic is the same whoever asks for it.
+struct PairSelection {
+    bool both_directions = false;  ///< both directions of every pair; the distance is their mean
+
+    template <class Self, class Visitor>
+    static void for_each_field(Self& self, Visitor&& visit) {
+        visit("both-directions", self.both_directions,
+              "compute both directions of every pair and use the mean; else one, chosen by the contents");
+    }
+};
+
 /// Everything that decides the numbers of a study: how files are read, placed and compared.
 struct RunSettings {
     std::string preset = "standard";  ///< fast | standard | fine: where the defaults come from; other options overrule
@@ -17,8 +28,10 @@ struct RunSettings {
     datasets::ImportOptions import;
     std::string normalize = "common";  ///< datasets::NormalizeOptions::mode
     GeodesicOptions geodesic;
+    PairSelection pairs;
 
-    /// visit(name, field, help) for every option, in the order of --help. The preset is not among them.
+    /// visit(name, field, help) for every option, in the order of --help. The preset and the pairs are not among
+    /// them: for those see PairSelection.
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("labels", self.labels, "where class labels come from: auto, csv (labels.csv), folder, name or none");
@@ -65,6 +78,6 @@ struct Preset {
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
 /// different solvers never share a matrix.
-inline constexpr int solver_revision = 1;
+inline constexpr int solver_revision = 2;
 
 }  // namespace morphodesic::pipeline

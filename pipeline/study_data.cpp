@@ -1,7 +1,12 @@
 #include "pipeline/study_data.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <utility>
+
+#include "pipeline/wanted_pairs.h"
 
 namespace morphodesic::pipeline {
 
@@ -26,7 +31,11 @@ StudyData load_study(const ResultStore& store) {
     data.pairs.resize(data.distances.pair_count());
     data.first_is_a.resize(data.distances.pair_count(), true);
 
-    std::map<std::pair<std::string, std::string>, StoredGeodesic> rows;
+    data.backward.resize(data.distances.pair_count());
+    const std::set<std::string> masked = store.masked_level_sets();
+    const bool both = data.settings.pairs.both_directions;
+
+    std::map<GeodesicKey, StoredGeodesic> rows;
     for (StoredGeodesic& row :
          store.geodesics(data.settings_hash, [&](const std::string& damage) { data.remarks.push_back(damage); })) {
         const auto key = std::pair(row.a, row.b);
@@ -39,22 +48,32 @@ StudyData load_study(const ResultStore& store) {
                 data.distances.set(i, j, 0.0, 0.0);
                 continue;
             }
-            auto found = rows.find({a, b});
-            if (found == rows.end()) {
-                found = rows.find({b, a});
-                data.first_is_a[data.index(i, j)] = false;
+            const auto keys = geodesics_of_pair(a, masked.contains(a), b, masked.contains(b), both);
+            const std::size_t p = data.index(i, j);
+            data.first_is_a[p] = keys.front().first == a;
+            std::string problem;
+            bool complete = true;
+            double length = 0.0, error = 0.0;
+            std::vector<double> lengths;
+            for (const GeodesicKey& key : keys) {
+                const auto found = rows.find(key);
+                complete = complete && found != rows.end();
+                if (found == rows.end()) continue;
+                const StoredGeodesic& row = found->second;
+                (&key == &keys.front() ? data.pairs : data.backward)[p] = row;
+                if (problem.empty()) problem = row.problem();
+                length += row.path_length / static_cast<double>(keys.size());
+                error += row.error / static_cast<double>(keys.size());
+                lengths.push_back(row.path_length);
             }
-            if (found == rows.end()) {
-                ++data.pairs_missing;
-                continue;
-            }
-            const std::string problem = found->second.problem();
-            if (problem.empty()) {
-                data.distances.set(i, j, found->second.path_length, found->second.error);
-            } else {
+            if (!problem.empty()) {
                 data.failures.push_back({data.shapes[i].name, data.shapes[j].name, problem});
+            } else if (!complete) {
+                ++data.pairs_missing;
+            } else {
+                // Two directions that differ by more than their bars say that the bars are too short.
+                data.distances.set(i, j, length, std::max(error, std::abs(lengths.front() - lengths.back()) / 2));
             }
-            data.pairs[data.index(i, j)] = found->second;
         }
     }
     return data;

@@ -23,10 +23,13 @@ struct StudyData {
     std::string settings_hash;
     std::vector<StoredShape> shapes;  ///< usable files, sorted by name
     std::vector<StoredShape> unusable;
-    analysis::DistanceMatrix distances;  ///< path lengths with error bars; missing where no distance is trustworthy
+    /// Path lengths with error bars, the mean where both directions are computed; missing where no distance is
+    /// trustworthy.
+    analysis::DistanceMatrix distances;
     /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet.
     std::vector<std::optional<StoredGeodesic>> pairs;
-    std::vector<bool> first_is_a;  ///< condensed: the path runs from the first to the second name
+    std::vector<std::optional<StoredGeodesic>> backward;  ///< the same, the other way round, if both are computed
+    std::vector<bool> first_is_a;  ///< condensed: the path of `pairs` runs from the first to the second name
     std::vector<StudyFailure> failures;
     long pairs_missing = 0;            ///< not computed yet
     std::vector<std::string> remarks;  ///< e.g. damaged rows

@@ -125,6 +125,15 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
 AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& options) {
     an::AnalysisInput input;
     for (const StoredShape& shape : data.shapes) input.classes.push_back(shape.label);
+    for (std::size_t i = 0; i < data.shapes.size(); ++i) {
+        for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
+            const std::size_t p = data.index(i, j);
+            if (!data.pairs[p] || !data.backward[p] || !data.distances.known(i, j)) continue;
+            const auto& first_to_second = data.first_is_a[p] ? *data.pairs[p] : *data.backward[p];
+            const auto& second_to_first = data.first_is_a[p] ? *data.backward[p] : *data.pairs[p];
+            input.directed.push_back({i, j, first_to_second.path_length, second_to_first.path_length});
+        }
+    }
     input.proceed = [](const char*) { return StopSignals::caught() == 0; };
     AnalysedStudy result;
     result.analysis = an::analyse(data.distances, options, input);
@@ -138,8 +147,10 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     model.pairs_total = static_cast<long>(data.distances.pair_count());
     model.pairs_done = model.pairs_total - data.pairs_missing;
     model.cpu_seconds = 0.0;
-    for (const auto& pair : data.pairs) {
-        if (pair && std::isfinite(pair->seconds)) model.cpu_seconds += pair->seconds;
+    for (const auto* direction : {&data.pairs, &data.backward}) {
+        for (const auto& pair : *direction) {
+            if (pair && std::isfinite(pair->seconds)) model.cpu_seconds += pair->seconds;
+        }
     }
     for (const an::TreeResult& tree : all.trees) model.linkages.push_back(tree_of(tree));
     for (const an::ClusterResult& c : all.clusterings) {

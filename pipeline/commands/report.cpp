@@ -36,18 +36,19 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
 }
 
 /// The sample of `verify`: the rows that come first in an order drawn by the seed.
-std::vector<std::size_t> sample(const StudyData& data, const StudyOptions& options) {
-    std::vector<std::pair<std::string, std::size_t>> rows;
-    for (std::size_t p = 0; p < data.pairs.size(); ++p) {
-        if (data.pairs[p] && data.pairs[p]->problem().empty()) {
-            rows.emplace_back(digest(std::to_string(options.seed) + data.pairs[p]->a + data.pairs[p]->b), p);
+std::vector<const StoredGeodesic*> sample(const StudyData& data, const StudyOptions& options) {
+    std::vector<std::pair<std::string, const StoredGeodesic*>> rows;
+    for (const auto* direction : {&data.pairs, &data.backward}) {
+        for (const auto& pair : *direction) {
+            if (!pair || !pair->problem().empty()) continue;
+            rows.emplace_back(digest(std::to_string(options.seed) + pair->a + pair->b), &*pair);
         }
     }
     std::sort(rows.begin(), rows.end());
-    std::vector<std::size_t> chosen;
-    for (const auto& [order, p] : rows) {
+    std::vector<const StoredGeodesic*> chosen;
+    for (const auto& [order, row] : rows) {
         if (chosen.size() == static_cast<std::size_t>(options.sample)) break;
-        chosen.push_back(p);
+        chosen.push_back(row);
     }
     return chosen;
 }
@@ -96,7 +97,7 @@ int verify(const StudyOptions& options) {
     long checked = 0;
     std::map<std::string, std::size_t> by_digest;
     for (std::size_t i = 0; i < data.shapes.size(); ++i) by_digest.emplace(data.shapes[i].content_digest, i);
-    const std::vector<std::size_t> chosen = sample(data, options);
+    const std::vector<const StoredGeodesic*> chosen = sample(data, options);
     progress.begin_pairs(static_cast<long>(data.pairs.size()),
                          static_cast<long>(data.pairs.size()) - data.pairs_missing, static_cast<long>(chosen.size()),
                          0);
@@ -109,8 +110,8 @@ int verify(const StudyOptions& options) {
             if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
             return result;
         };
-        for (const std::size_t p : chosen) {
-            const StoredGeodesic& stored = *data.pairs[p];
+        for (const StoredGeodesic* row : chosen) {
+            const StoredGeodesic& stored = *row;
             const ImportedShape<Dim> a = shape(stored.a), b = shape(stored.b);
             const StoredGeodesic again =
                 solve_pair<Dim>(a, b, data.settings.geodesic, [] { return StopSignals::caught() != 0; });

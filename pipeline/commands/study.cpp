@@ -9,6 +9,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/commands/summary.h"
 #include "pipeline/exports.h"
+#include "pipeline/memory_model.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
@@ -63,8 +64,18 @@ PairGraphSummary compute(Workplace& at, const Collection& collection, const Stud
     PairGraphOptions graph;
     graph.geodesic = options.settings.geodesic;
     graph.solve = solve;
+    graph.both_directions = options.settings.pairs.both_directions;
     graph.threads = at.threads;
     graph.pairs_in_flight = at.threads;
+    if (solve) {
+        const GeodesicOptions& geodesic = graph.geodesic;
+        const MemoryPlan memory = plan_memory(options.memory, collection.dimension, geodesic.level,
+                                              shape_level(collection.dimension, geodesic), geodesic.time_steps,
+                                              collection.entries.size(), at.threads);
+        at.progress.message(memory.sentence());
+        graph.pairs_in_flight = memory.pairs_in_flight;
+        graph.shape_bytes = memory.shapes;
+    }
     graph.stop = [] { return StopSignals::caught() != 0; };
     if (solve && options.retry_failed) at.store->remove_failures(settings_hash(options.settings.geodesic));
     return with_dimension(collection.dimension,
@@ -133,8 +144,10 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     std::string head = std::to_string(done.shapes) + " shapes";
     if (solve) {
-        head += ", " + std::to_string(done.pairs_total) + " pairs (" + std::to_string(done.pairs_stored) +
-                " from the store, " + std::to_string(done.pairs_solved) + " computed)";
+        head += ", " + std::to_string(done.pairs_total) +
+                (options.settings.pairs.both_directions ? " geodesics, both directions of each pair (" : " pairs (") +
+                std::to_string(done.pairs_stored) + " from the store, " + std::to_string(done.pairs_solved) +
+                " computed)";
     }
     summary.lines.push_back(head + " in " + duration_text(now() - begin));
     if (done.shapes == 0) {
