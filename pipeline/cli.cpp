@@ -31,6 +31,7 @@ struct CommandLine {
     DatasetOptions dataset;
     SolidDatasetOptions solids;
     FiguresOptions figures;
+    ShardOptions shards;
     std::string preset, config;
     std::function<int()> action;
 
@@ -46,6 +47,7 @@ private:
     void add_classify();
     void add_datasets();
     void add_figures();
+    void add_shards();
 };
 
 std::string preset_help() {
@@ -116,6 +118,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
     add_classify();
     add_datasets();
     add_figures();
+    add_shards();
 }
 
 CLI::App* CommandLine::command(const std::string& name, const std::string& help, const std::string& footer) {
@@ -311,6 +314,52 @@ void CommandLine::add_figures() {
     sub->add_flag("--quick", figures.quick, "coarse grids and few steps: a minute instead of a quarter of an hour");
     add_common(sub, figures.common, true);
     sub->callback([this] { action = [this] { return pipeline::figures(figures); }; });
+}
+
+void CommandLine::add_shards() {
+    const std::string steps =
+        "A study on many processes or machines:\n"
+        "  morphodesic ingest fish                               take the shapes in\n"
+        "  morphodesic plan fish.study --shards 16               writes fish.study/shards/plan.sqlite\n"
+        "  morphodesic shard fish.study 3/16                     each of them, anywhere; again after a stop\n"
+        "  morphodesic shard plan.sqlite 3/16 --out 3.jsonl      the same where only the plan was copied to\n"
+        "  morphodesic merge fish.study                          in any order, as often as you like\n"
+        "  morphodesic merge fish.study results/*.jsonl\n"
+        "  morphodesic report fish.study\n"
+        "With --format slurm or makeflow the plan comes with a script that runs all shards.";
+    CLI::App* planning =
+        command("plan", "divide the pairs that a study is missing among processes or machines.", steps);
+    planning->add_option("study", shards.study, "study folder, with its shapes taken in")->required();
+    planning->add_option("--shards", shards.shards, "how many parts")->required()->check(CLI::Range(1, 100000));
+    planning
+        ->add_option("--format", shards.format,
+                     "list: only the plan; slurm: with an array script for sbatch; makeflow: with a workflow for "
+                     "Makeflow (local, Work Queue, Slurm, HTCondor, Kubernetes)")
+        ->check(CLI::IsMember({"list", "slurm", "makeflow"}))
+        ->capture_default_str();
+    CLI::App* working = command("shard", "compute one part of a planned study into one result file.", steps);
+    working->add_option("study", shards.study, "study folder, or a copy of its plan (plan.sqlite)")->required();
+    working->add_option("shard", shards.shard, "which part of how many, such as 3/16")->required()->option_text("I/N");
+    working->add_option("--out", shards.out, "result file, only ever appended to; default: beside the plan")
+        ->option_text("FILE");
+    working->add_option("--memory", shards.memory, "memory it may take, such as 4G; default: 80 % of what is available")
+        ->option_text("SIZE");
+    CLI::App* joining = command("merge", "take the results of shards into their study.", steps);
+    joining->add_option("study", shards.study, "study folder")->required();
+    joining->add_option("files", shards.files, "result files; default: all beside the plan")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->option_text("FILE ...");
+    for (CLI::App* sub : {working, joining}) {
+        sub->add_flag(
+            "--accept-failures", shards.accept_failures,
+            "exit code 0 also if some pairs have no trustworthy distance: for engines that stop at any other");
+    }
+    add_common(planning, shards.common, false);
+    add_common(working, shards.common, true);
+    add_common(joining, shards.common, false);
+    planning->callback([this] { action = [this] { return pipeline::plan(shards); }; });
+    working->callback([this] { action = [this] { return pipeline::shard(shards); }; });
+    joining->callback([this] { action = [this] { return pipeline::merge(shards); }; });
 }
 
 /// Puts the options of the configuration file, if any, behind the name of the subcommand, so that those on the command

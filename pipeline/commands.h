@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "analysis/study.h"
 #include "pipeline/run_settings.h"
@@ -41,6 +42,19 @@ struct PairOptions {
     RunSettings settings;
 };
 
+/// Options of plan, shard and merge; each uses some of them.
+struct ShardOptions {
+    CommonOptions common;
+    std::filesystem::path study;               ///< study folder; shard: or the plan itself
+    int shards = 0;                            ///< plan: how many
+    std::string format = "list";               ///< plan: list | slurm | makeflow
+    std::string shard;                         ///< shard: "I/N"
+    std::string memory;                        ///< shard: limit such as 4G; empty: 80 % of what is available
+    std::filesystem::path out;                 ///< shard: result file; empty: beside the plan
+    bool accept_failures = false;              ///< shard, merge: exit code 0 also if pairs failed
+    std::vector<std::filesystem::path> files;  ///< merge: result files; empty: all beside the plan
+};
+
 // One function per subcommand: options in; summary on standard output, progress on standard error, exit code out.
 int run(const StudyOptions& options);
 int ingest(const StudyOptions& options);
@@ -49,6 +63,9 @@ int analyze(const StudyOptions& options);
 int report(const StudyOptions& options);
 int verify(const StudyOptions& options);
 int geodesic(const PairOptions& options);
+int plan(const ShardOptions& options);
+int shard(const ShardOptions& options);
+int merge(const ShardOptions& options);
 
 /// The settings a study was made with; empty text if it has none yet.
 [[nodiscard]] std::string stored_settings(const std::filesystem::path& study);

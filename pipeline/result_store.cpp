@@ -196,6 +196,47 @@ StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::
     return g;
 }
 
+std::string line_of(const StoredGeodesic& g) {
+    const std::string details = details_of(g);
+    return json{{"a", g.a},
+                {"b", g.b},
+                {"settings", g.settings_hash},
+                {"failure", g.failure},
+                {"termination", to_string(g.termination)},
+                {"numbers", numbers_to_json({g.path_length, g.path_energy, g.total_energy, g.error,
+                                             g.extrapolated_length, g.min_det, g.seconds})},
+                {"details", details},
+                {"checksum", row_checksum(g, details)}}
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::optional<StoredGeodesic> geodesic_from_line(const std::string& line) {
+    try {
+        const json j = json::parse(line);
+        StoredGeodesic g;
+        g.a = j.at("a");
+        g.b = j.at("b");
+        g.settings_hash = j.at("settings");
+        g.failure = j.at("failure");
+        g.termination = termination_from(j.at("termination").get<std::string>());
+        const std::vector<double> numbers = numbers_from_json(j.at("numbers"));
+        if (numbers.size() != 7) return std::nullopt;
+        g.path_length = numbers[0];
+        g.path_energy = numbers[1];
+        g.total_energy = numbers[2];
+        g.error = numbers[3];
+        g.extrapolated_length = numbers[4];
+        g.min_det = numbers[5];
+        g.seconds = numbers[6];
+        const auto details = j.at("details").get<std::string>();
+        if (row_checksum(g, details) != j.at("checksum")) return std::nullopt;
+        read_details(details, g);
+        return g;
+    } catch (const json::exception&) {
+        return std::nullopt;
+    }
+}
+
 struct ResultStore::Impl {
     Impl(fs::path file, Access access)
         : database(std::move(file), access == Access::write), repairs(access == Access::write) {}
@@ -461,6 +502,11 @@ long ResultStore::remove_failures(std::string_view settings_hash) {
     for (const auto& [a, b] : failed) s.bind(1, settings_hash).bind(2, a).bind(3, b).run();
     transaction.commit();
     return static_cast<long>(failed.size());
+}
+
+void ResultStore::finish_as_one_file() {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->database.execute("PRAGMA journal_mode = DELETE");
 }
 
 std::optional<std::string> ResultStore::picture(std::string_view key) const {

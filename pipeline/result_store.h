@@ -55,6 +55,10 @@ template <int Dim>
 [[nodiscard]] StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::string b,
                                        std::string settings_hash);
 
+/// A row as one line of JSON with a checksum over all of it, and back; nothing if the line is damaged.
+[[nodiscard]] std::string line_of(const StoredGeodesic& geodesic);
+[[nodiscard]] std::optional<StoredGeodesic> geodesic_from_line(const std::string& line);
+
 /// The single truth of a study: one SQLite file. Every write is one transaction, so whatever happens to the process, a
 /// row is there completely or not at all. All methods throw StoreError; all may be called from several threads.
 class ResultStore {
@@ -109,6 +113,9 @@ public:
                                                                              const OnDamage& on_damage = {}) const;
     /// Forgets the failed rows of these settings, so that they are tried again. Returns how many there were.
     long remove_failures(std::string_view settings_hash);
+
+    /// For a file that is only read from now on: makes it one file that needs no other beside it.
+    void finish_as_one_file();
 
     /// Pictures that were drawn already, by any key.
     [[nodiscard]] std::optional<std::string> picture(std::string_view key) const;

@@ -92,5 +92,122 @@ TEST(Memory, IsSaidBeforeAndLimitsThePairsAtOnce) {
     EXPECT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--memory", "lots"})).code, 2);
 }
 
+/// A study of one process, and another one that has its shapes but no pairs yet.
+class Shards : public testing::Test {
+protected:
+    void SetUp() override {
+        make_men(folder / "men", 6);
+        ASSERT_EQ(morphodesic(quick({"run", men(), "--paths", "none", "--quiet"})).code, 0);
+        ASSERT_EQ(morphodesic(quick({"ingest", men(), "--out", study(), "--quiet"})).code, 0);
+    }
+    [[nodiscard]] std::string men() const { return (folder / "men").string(); }
+    [[nodiscard]] std::string study() const { return (folder / "a study").string(); }
+    [[nodiscard]] json plan(int shards, const std::string& format) const {
+        const Outcome done =
+            morphodesic({"plan", study(), "--shards", std::to_string(shards), "--format", format, "--json", "--quiet"});
+        EXPECT_EQ(done.code, 0) << done.err;
+        return json::parse(done.out);
+    }
+    void expect_the_bytes_of_one_process() const {
+        ASSERT_EQ(morphodesic({"analyze", study(), "--quiet"}).code, 0);
+        EXPECT_EQ(read_file(folder / "a study/distances.csv"), read_file(folder / "men.study/distances.csv"));
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(Shards, OnSeveralMachinesGiveTheBytesOfOneProcess) {
+    EXPECT_EQ(plan(3, "list")["pairs"], 15);
+    std::vector<std::string> files;
+    for (const std::string i : {"3", "1", "2"}) {  // each with nothing but a copy of the plan
+        const fs::path machine = folder / ("machine" + i);
+        fs::create_directory(machine);
+        fs::copy_file(folder / "a study/shards/plan.sqlite", machine / "plan.sqlite");
+        fs::permissions(machine / "plan.sqlite", fs::perms::owner_read);
+        files.push_back((machine / "result.jsonl").string());
+        const std::vector<std::string> command{
+            "shard", (machine / "plan.sqlite").string(), i + "/3", "--out", files.back(), "--json", "--quiet"};
+        EXPECT_EQ(morphodesic(command).code, 0);
+        const std::string bytes = read_file(files.back());
+        const json again = json::parse(morphodesic(command).out);
+        EXPECT_EQ(again["pairs_computed"], 0);
+        EXPECT_EQ(read_file(files.back()), bytes);
+    }
+    std::vector<std::string> command{"merge", study(), "--json", "--quiet", files[0]};
+    const json first = json::parse(morphodesic(command).out);
+    EXPECT_EQ(first["exit_code"], 1);
+    EXPECT_EQ(first["pairs_added"].get<int>() + first["pairs_missing"].get<int>(), 15);
+    command.insert(command.end(), {files[2], files[1]});
+    EXPECT_EQ(json::parse(morphodesic(command).out)["pairs_missing"], 0);
+    const json twice = json::parse(morphodesic(command).out);
+    EXPECT_EQ(twice["pairs_added"], 0);
+    EXPECT_EQ(twice["exit_code"], 0);
+    expect_the_bytes_of_one_process();
+}
+
+TEST_F(Shards, GoOnAfterAStopAndLeaveDamageOut) {
+    EXPECT_EQ(plan(1, "list")["pairs"], 15);
+    const std::string file = (folder / "result.jsonl").string();
+    const std::vector<std::string> command{"shard", study(), "1/1", "--out", file, "--json", "--quiet"};
+    ASSERT_EQ(morphodesic(command).code, 0);
+    std::string bytes = read_file(file);
+    bytes.resize(bytes.size() - 40);         // killed in the middle of a line
+    bytes[bytes.find("numbers") + 14] ^= 1;  // and a digit that flipped
+    write_file(file, bytes);
+    EXPECT_EQ(morphodesic({"merge", study(), file}).code, 1);
+    EXPECT_EQ(json::parse(morphodesic(command).out)["pairs_computed"], 2);
+    const json merged = json::parse(morphodesic({"merge", study(), file, "--json", "--quiet"}).out);
+    EXPECT_EQ(merged["pairs_missing"], 0);
+    EXPECT_EQ(merged["exit_code"], 1);  // the damaged line is still there, and said
+    expect_the_bytes_of_one_process();
+}
+
+TEST_F(Shards, RefuseWhatDoesNotBelongToTheStudy) {
+    ASSERT_EQ(plan(2, "list")["shards"], 2);
+    const std::string file = (folder / "result.jsonl").string();
+    ASSERT_EQ(morphodesic({"shard", study(), "1/2", "--out", file, "--quiet"}).code, 0);
+    EXPECT_EQ(morphodesic({"shard", study(), "1/3"}).code, 2);
+    EXPECT_EQ(morphodesic({"shard", study(), "3/2"}).code, 2);
+    const std::string other = (folder / "other.study").string();
+    ASSERT_EQ(morphodesic({"ingest", men(), "--out", other, "--level", "4", "--steps", "1", "--quiet"}).code, 0);
+    const Outcome foreign = morphodesic({"merge", other, file});
+    EXPECT_EQ(foreign.code, 1);
+    EXPECT_THAT(foreign.out, HasSubstr("settings"));
+    EXPECT_EQ(stored_rows(other), 0);
+    std::string bytes = read_file(file);
+    const std::string revision = "\"solver_revision\":";
+    bytes.insert(bytes.find(revision) + revision.size(), "9");
+    write_file(file, bytes);
+    const Outcome newer = morphodesic({"merge", study(), file});
+    EXPECT_EQ(newer.code, 1);
+    EXPECT_THAT(newer.out, HasSubstr("another version"));
+    EXPECT_EQ(stored_rows(study()), 0);
+}
+
+TEST_F(Shards, RunUnderSlurm) {
+    const json planned = plan(4, "slurm");
+    const std::string script = planned["script"];
+    const Outcome done =
+        shell(std::string("timeout 150 '") + MORPHODESIC_SOURCE_DIR + "/tests/pipeline/end_to_end/with_slurm' '" +
+              (folder / "slurm").string() + "' '" + script + "'");
+    if (done.code == 77) GTEST_SKIP() << done.out;
+    ASSERT_EQ(done.code, 0) << done.out << done.err;
+    EXPECT_EQ(json::parse(morphodesic({"merge", study(), "--json", "--quiet"}).out)["pairs_added"], 15);
+    expect_the_bytes_of_one_process();
+}
+
+TEST_F(Shards, RunUnderMakeflowWhereOneOfTwoWorkersIsKilled) {
+    const json planned = plan(5, "makeflow");
+    const std::string script = planned["script"];
+    const Outcome done =
+        shell(std::string("timeout 150 '") + MORPHODESIC_SOURCE_DIR + "/tests/pipeline/end_to_end/with_work_queue' '" +
+              (folder / "queue").string() + "' '" + script + "'");
+    if (done.code == 77) GTEST_SKIP() << done.out;
+    ASSERT_EQ(done.code, 0) << done.out << done.err;
+    const json merged = json::parse(morphodesic({"merge", study(), "--json", "--quiet"}).out);
+    EXPECT_EQ(merged["pairs_added"], 0);  // the last rule of the workflow has merged
+    EXPECT_EQ(merged["pairs_missing"], 0);
+    expect_the_bytes_of_one_process();
+}
+
 }  // namespace
 }  // namespace morphodesic::tests

@@ -1,0 +1,363 @@
+// plan, shard, merge: one study on several processes or machines.
+#include <sys/stat.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "pipeline/collection.h"
+#include "pipeline/commands.h"
+#include "pipeline/commands/summary.h"
+#include "pipeline/memory_model.h"
+#include "pipeline/pair_graph.h"
+#include "pipeline/shape_cache.h"
+#include "pipeline/shard_plan.h"
+#include "pipeline/shard_results.h"
+#include "pipeline/stop_signals.h"
+#include "pipeline/study_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string quoted(const std::string& word) {
+    std::string result = "'";
+    for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
+fs::path this_program() {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    if (error) throw StoreError("/proc/self/exe", "the program cannot find itself: " + error.message());
+    return program;
+}
+
+/// Memory of a shard on one core, in whole megabytes, with some room.
+long shard_megabytes(const ShardPlan& plan) {
+    const GeodesicOptions& geodesic = plan.settings.geodesic;
+    std::size_t largest = 0;
+    for (const Tile& t : plan.tiles) {
+        largest = std::max(largest, t.rows_end - t.rows_begin + t.columns_end - t.columns_begin);
+    }
+    const std::size_t bytes = bytes_of_program + bytes_of_pair(plan.dimension, geodesic.level, geodesic.time_steps) +
+                              (largest + 2) * bytes_of_shape(plan.dimension, shape_level(plan.dimension, geodesic));
+    return static_cast<long>(bytes >> 20) + 64;
+}
+
+std::string slurm_script(const ShardPlan& plan, const fs::path& folder, const fs::path& study) {
+    const std::string program = quoted(this_program().string()), at = quoted(folder.string());
+    return "#!/bin/bash\n"
+           "# Computes a morphodesic study: sbatch " +
+           std::string("shards.slurm") +
+           "\n"
+           "# Then: " +
+           program + " merge " + quoted(study.string()) +
+           "\n"
+           "#SBATCH --job-name=morphodesic\n"
+           "#SBATCH --array=1-" +
+           std::to_string(plan.shards) +
+           "\n"
+           "#SBATCH --ntasks=1\n"
+           "#SBATCH --cpus-per-task=1\n"
+           "#SBATCH --mem=" +
+           std::to_string(shard_megabytes(plan)) +
+           "M\n"
+           "#SBATCH --requeue\n"
+           "#SBATCH --open-mode=append\n"
+           "set -u\n"
+           "cd " +
+           at + " || exit 3\n" + program + " shard plan.sqlite \"$SLURM_ARRAY_TASK_ID/" + std::to_string(plan.shards) +
+           "\" --threads \"${SLURM_CPUS_PER_TASK:-1}\" --accept-failures\n";
+}
+
+std::string makeflow_text(const ShardPlan& plan) {
+    std::string text =
+        "# makeflow -T local shards.makeflow     (or -T wq, slurm, condor, k8s), in this folder\n"
+        "CORES=1\nMEMORY=" +
+        std::to_string(shard_megabytes(plan)) + "\nDISK=1000\n\n";
+    std::string all;
+    for (int shard = 1; shard <= plan.shards; ++shard) {
+        const std::string result = plan.result_name(shard);
+        all += " " + result;
+        text += result + ": morphodesic plan.sqlite\n\t./morphodesic shard plan.sqlite " + std::to_string(shard) + "/" +
+                std::to_string(plan.shards) + " --threads 1 --accept-failures --out " + result + "\n\n";
+    }
+    return text + "merged-" + plan.id() + ".json: morphodesic" + all +
+           "\n\tLOCAL ./morphodesic merge .. --json --accept-failures > merged-" + plan.id() + ".json\n";
+}
+
+/// "3/16"
+std::pair<int, int> shard_number(const std::string& text) {
+    int numbers[2] = {0, 0};
+    const char *at = text.data(), *end = at + text.size();
+    const auto first = std::from_chars(at, end, numbers[0]);
+    if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
+        const auto second = std::from_chars(first.ptr + 1, end, numbers[1]);
+        if (second.ec == std::errc() && second.ptr == end && numbers[0] >= 1 && numbers[0] <= numbers[1]) {
+            return {numbers[0], numbers[1]};
+        }
+    }
+    throw std::invalid_argument("the shard is \"" + text + "\"; it must be I/N with 1 <= I <= N, such as 3/16");
+}
+
+/// Of two results for one pair the one that stays, whatever comes first: one with a distance, then the shorter path.
+bool stays(const StoredGeodesic& x, const StoredGeodesic& y) {
+    const bool good = x.problem().empty();
+    if (good != y.problem().empty()) return good;
+    return !good || x.path_length <= y.path_length;
+}
+
+template <int Dim>
+long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, ShardWriter& out, const MemoryPlan& memory,
+                 Progress& progress, long& failed) {
+    const std::string hash = settings_hash(plan.settings.geodesic);
+    std::set<GeodesicKey> done;
+    for (const StoredGeodesic& row : out.before()) done.emplace(row.a, row.b);
+    std::vector<std::vector<GeodesicKey>> tiles;
+    long total = 0, missing = 0, solved = 0;
+    for (const Tile& tile : plan.tiles) {
+        if (tile.shard != shard) continue;
+        std::vector<GeodesicKey> keys = plan.missing_of(tile);
+        total += static_cast<long>(keys.size());
+        std::erase_if(keys, [&](const GeodesicKey& key) { return done.contains(key); });
+        missing += static_cast<long>(keys.size());
+        if (!keys.empty()) tiles.push_back(std::move(keys));
+    }
+    progress.begin_pairs(total, total - missing, missing, std::min(missing, 16L));
+    const auto stop = [] { return StopSignals::caught() != 0; };
+    tbb::task_arena arena(memory.pairs_in_flight);
+    std::atomic<long> solved_now{0}, failed_now{0};
+    for (const auto& keys : tiles) {
+        ShapeCache<Dim> shapes(store, memory.shapes);  // those of the tile are read once
+        arena.execute([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, keys.size(), 1),
+                [&](const tbb::blocked_range<std::size_t>& range) {
+                    for (std::size_t k = range.begin(); k < range.end(); ++k) {
+                        if (stop()) return;
+                        const StoredGeodesic row = solve_pair<Dim>(
+                            shapes.get(keys[k].first), shapes.get(keys[k].second), plan.settings.geodesic, stop);
+                        if (row.failure.empty() && row.termination == Termination::cancelled) return;
+                        out.append(row);
+                        ++solved_now;
+                        if (!row.problem().empty()) ++failed_now;
+                        progress.pair_done(row.problem().empty());
+                    }
+                },
+                tbb::simple_partitioner());
+        });
+        out.flush();
+        if (stop()) break;
+    }
+    progress.end_pairs();
+    solved = solved_now;
+    failed = failed_now;
+    for (const StoredGeodesic& row : out.before()) failed += row.problem().empty() ? 0 : 1;
+    return solved;
+}
+
+}  // namespace
+
+int plan(const ShardOptions& options) {
+    const StudyFolder folder(fs::absolute(options.study).lexically_normal());
+    if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+    const StudyLock lock(folder);
+    ResultStore store(folder.store(), ResultStore::Access::write);
+    const auto text = store.fact("settings");
+    if (!text)
+        throw StoreError(store.file(), "the study has no settings yet; take its shapes in with: morphodesic ingest");
+    const RunSettings settings = settings_from_text(*text);
+    store.put_settings(settings_hash(settings.geodesic), canonical_text(settings.geodesic));
+    long missing = 0;
+    const ShardPlan plan = make_plan(store, settings, store.fact("dimension") == "3" ? 3 : 2, options.shards, missing);
+    Summary summary;
+    const fs::path shards = folder.path() / "shards";
+    std::error_code error;
+    fs::create_directories(shards, error);
+    if (error) throw StoreError(shards, "cannot be made: " + error.message());
+    write_plan(plan, store, shards / "plan.sqlite");
+    summary.data = {{"study", folder.path().string()},
+                    {"plan", (shards / "plan.sqlite").string()},
+                    {"id", plan.id()},
+                    {"shards", plan.shards},
+                    {"tiles", plan.tiles.size()},
+                    {"pairs", missing},
+                    {"megabytes_per_shard", shard_megabytes(plan)}};
+    summary.lines.push_back(std::to_string(missing) + " pairs to compute in " + std::to_string(plan.tiles.size()) +
+                            " tiles and " + std::to_string(plan.shards) +
+                            " shards; plan: " + (shards / "plan.sqlite").string());
+    if (options.format == "slurm") {
+        folder.write("shards/shards.slurm", slurm_script(plan, shards, folder.path()));
+        summary.data["script"] = (shards / "shards.slurm").string();
+        summary.lines.push_back("Hand it in with: sbatch " + quoted((shards / "shards.slurm").string()));
+    } else if (options.format == "makeflow") {
+        fs::remove(shards / "morphodesic", error);  // it may be running: a new file, not new bytes in the old one
+        fs::copy_file(this_program(), shards / "morphodesic", error);
+        if (error) throw StoreError(shards / "morphodesic", "cannot be written: " + error.message());
+        folder.write("shards/shards.makeflow", makeflow_text(plan));
+        summary.data["script"] = (shards / "shards.makeflow").string();
+        summary.lines.push_back("Compute it with: cd " + quoted(shards.string()) +
+                                " && makeflow -T local shards.makeflow");
+    } else {
+        summary.lines.push_back("Compute each with: morphodesic shard " + quoted(folder.path().string()) + " I/" +
+                                std::to_string(plan.shards));
+    }
+    summary.lines.push_back("Then: morphodesic merge " + quoted(folder.path().string()));
+    return summary.print(options.common);
+}
+
+int shard(const ShardOptions& options) {
+    const auto [number, count] = shard_number(options.shard);
+    const int threads = thread_count(options.common);
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    const fs::path file = fs::is_directory(options.study) ? options.study / "shards" / "plan.sqlite" : options.study;
+    if (!fs::exists(file)) {
+        throw std::invalid_argument(file.string() +
+                                    ": there is no plan here; make one with: morphodesic plan STUDY "
+                                    "--shards N");
+    }
+    const ResultStore store(file, ResultStore::Access::read);
+    const ShardPlan plan = read_plan(store);
+    if (count != plan.shards) {
+        throw std::invalid_argument(options.shard + ": the plan has " + std::to_string(plan.shards) + " shards");
+    }
+    const GeodesicOptions& geodesic = plan.settings.geodesic;
+    const MemoryPlan memory =
+        plan_memory(options.memory, plan.dimension, geodesic.level, shape_level(plan.dimension, geodesic),
+                    geodesic.time_steps, plan.shapes.size(), threads);
+    Progress progress(Progress::style_of_stderr(options.common.quiet));
+    progress.message(memory.sentence());
+    const fs::path result =
+        options.out.empty() ? fs::absolute(file).parent_path() / plan.result_name(number) : options.out;
+    ShardWriter out(result, settings_hash(geodesic));
+    long failed = 0;
+    const long solved = with_dimension(plan.dimension, [&]<int Dim>() {
+        return solve_shard<Dim>(plan, number, store, out, memory, progress, failed);
+    });
+    if (StopSignals::caught() != 0) {
+        std::cerr << "morphodesic: stopped; what is finished is in " << result.string()
+                  << ". To go on, give the same command again\n";
+        return 128 + StopSignals::caught();
+    }
+    Summary summary;
+    summary.data = {{"result", result.string()},
+                    {"pairs_computed", solved},
+                    {"pairs_from_file", out.before().size()},
+                    {"pairs_failed", failed}};
+    summary.lines.push_back("shard " + options.shard + ": " + std::to_string(solved) + " pairs computed, " +
+                            std::to_string(out.before().size()) + " were in " + result.string());
+    if (failed > 0) {
+        if (!options.accept_failures) summary.exit_code = some_failed;
+        summary.lines.push_back(std::to_string(failed) + " of them have no trustworthy distance; merge lists them");
+    }
+    return summary.print(options.common);
+}
+
+int merge(const ShardOptions& options) {
+    const StudyFolder folder(options.study);
+    if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+    const StudyLock lock(folder);
+    ResultStore store(folder.store(), ResultStore::Access::write);
+    std::vector<fs::path> files = options.files;
+    if (files.empty() && fs::is_directory(folder.path() / "shards")) {
+        for (const auto& entry : fs::directory_iterator(folder.path() / "shards")) {
+            if (entry.path().extension() == ".jsonl") files.push_back(entry.path());
+        }
+    }
+    if (files.empty()) {
+        throw std::invalid_argument(folder.path().string() +
+                                    ": there are no results of shards; compute them with: morphodesic shard STUDY I/N, "
+                                    "or name the files");
+    }
+    std::sort(files.begin(), files.end());
+    std::set<std::string> digests;
+    for (const StoredShape& shape : store.shapes()) digests.insert(shape.content_digest);
+
+    Summary summary;
+    std::vector<StudyFailure> problems;
+    long added = 0, known = 0;
+    for (const fs::path& file : files) {
+        const ShardResults results = read_shard_results(file);
+        if (!results.problem.empty()) {
+            problems.push_back({file.string(), "", results.problem});
+            continue;
+        }
+        if (!store.settings(results.settings_hash)) {
+            problems.push_back({file.string(), "",
+                                file.string() + ": was computed for settings that this study never had; merge it into "
+                                                "the study it was planned for"});
+            continue;
+        }
+        if (results.damaged > 0) {
+            problems.push_back({file.string(), "",
+                                file.string() + ": " + std::to_string(results.damaged) +
+                                    " damaged lines were left out; run the shard again, it computes only what is "
+                                    "missing"});
+        }
+        long strangers = 0, differing = 0;
+        std::map<GeodesicKey, StoredGeodesic> there;
+        for (StoredGeodesic& row : store.geodesics(results.settings_hash)) {
+            GeodesicKey key(row.a, row.b);
+            there.emplace(std::move(key), std::move(row));
+        }
+        for (const StoredGeodesic& row : results.rows) {
+            if (!digests.contains(row.a) || !digests.contains(row.b)) {
+                ++strangers;
+                continue;
+            }
+            const auto found = there.find({row.a, row.b});
+            if (found == there.end()) {
+                ++added;
+            } else {
+                ++known;
+                const bool same = found->second.path_length == row.path_length ||
+                                  (std::isnan(found->second.path_length) && std::isnan(row.path_length));
+                if (!same) ++differing;
+                if (same || stays(found->second, row)) continue;
+            }
+            store.put_geodesic(row);
+            there.insert_or_assign(GeodesicKey(row.a, row.b), row);
+        }
+        if (strangers > 0) {
+            problems.push_back({file.string(), "",
+                                file.string() + ": " + std::to_string(strangers) +
+                                    " pairs of shapes that the study does not have were left out"});
+        }
+        if (differing > 0) {
+            problems.push_back({file.string(), "",
+                                file.string() + ": " + std::to_string(differing) +
+                                    " pairs have another path length than the store; of each the shorter path stays. "
+                                    "Were the shards computed by different builds? `morphodesic verify` tells more"});
+        }
+    }
+    const StudyData data = load_study(store);
+    summary.data = {{"study", folder.path().string()},
+                    {"files", files.size()},
+                    {"pairs_added", added},
+                    {"pairs_known", known},
+                    {"pairs_missing", data.pairs_missing}};
+    summary.lines.push_back(std::to_string(files.size()) + " files: " + std::to_string(added) + " pairs added, " +
+                            std::to_string(known) + " were in the store");
+    if (data.pairs_missing > 0) {
+        summary.exit_code = some_failed;
+        summary.lines.push_back(std::to_string(data.pairs_missing) + " pairs are still missing");
+    } else {
+        summary.lines.push_back("All pairs are there. Report: morphodesic report " + quoted(folder.path().string()));
+    }
+    const bool all_there = problems.empty() && data.pairs_missing == 0;
+    for (const StudyFailure& failure : data.failures) problems.push_back(failure);
+    summary.add_failures(problems);
+    if (all_there && options.accept_failures) summary.exit_code = all_done;
+    return summary.print(options.common);
+}
+
+}  // namespace morphodesic::pipeline

@@ -1,0 +1,131 @@
+#include "pipeline/shard_results.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pipeline/run_settings.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int results_version = 1;
+
+std::string header(const std::string& settings_hash) {
+    return json{{"format", "morphodesic shard"},
+                {"version", results_version},
+                {"settings", settings_hash},
+                {"solver_revision", solver_revision}}
+        .dump();
+}
+
+}  // namespace
+
+ShardResults read_shard_results(const fs::path& file) {
+    ShardResults results;
+    std::ifstream in(file, std::ios::binary);
+    if (!in) {
+        results.problem = file.string() + ": cannot be read; check its permissions";
+        return results;
+    }
+    std::string line;
+    if (!std::getline(in, line)) {
+        results.problem = file.string() + ": is empty; the shard has not begun, or its start was lost: run it again";
+        return results;
+    }
+    const json head = json::parse(line, nullptr, false);
+    if (!head.is_object() || head.value("format", "") != "morphodesic shard") {
+        results.problem = file.string() + ": is not the result file of a shard";
+        return results;
+    }
+    results.settings_hash = head.value("settings", "");
+    results.solver = head.value("solver_revision", 0);
+    if (head.value("version", 0) != results_version || results.solver != solver_revision) {
+        results.problem = file.string() +
+                          ": was written by another version of morphodesic, whose numbers are not to be mixed with "
+                          "those of this one; compute the shard again with the same program as the study";
+        return results;
+    }
+    while (std::getline(in, line)) {
+        if (in.eof()) break;  // without its line end: was being written when the shard was stopped
+        if (auto row = geodesic_from_line(line); row && row->settings_hash == results.settings_hash) {
+            results.rows.push_back(std::move(*row));
+        } else {
+            ++results.damaged;
+        }
+    }
+    return results;
+}
+
+ShardWriter::ShardWriter(fs::path file, const std::string& settings_hash) : file_(std::move(file)) {
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) {
+        throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno) +
+                                    "; check its folder, or choose another file with --out");
+    }
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        ::close(descriptor_);
+        throw StoreError(file_, "another process computes this shard; wait until it is done");
+    }
+    std::ifstream in(file_, std::ios::binary);
+    std::stringstream bytes;
+    bytes << in.rdbuf();
+    const std::string text = bytes.str();
+    const std::size_t end = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
+    if (end != text.size() && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
+        ::close(descriptor_);
+        throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno));
+    }
+    if (end == 0) {
+        write(header(settings_hash));
+        return;
+    }
+    ShardResults results = read_shard_results(file_);
+    if (!results.problem.empty() || results.settings_hash != settings_hash) {
+        ::close(descriptor_);
+        throw StoreError(file_, results.problem.empty()
+                                    ? "holds results of other settings; choose another file with --out"
+                                    : "cannot be continued (" + results.problem +
+                                          "); move it away or choose another file with --out");
+    }
+    before_ = std::move(results.rows);
+}
+
+ShardWriter::~ShardWriter() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void ShardWriter::write(const std::string& line) {
+    const std::string bytes = line + "\n";
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t done = 0; done < bytes.size();) {
+        const ssize_t written = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) {
+            throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno) +
+                                        "; what is in it stays: free some space, then give the same command again");
+        }
+        done += static_cast<std::size_t>(written);
+    }
+}
+
+void ShardWriter::append(const StoredGeodesic& geodesic) {
+    write(line_of(geodesic));
+}
+
+void ShardWriter::flush() {
+    if (::fsync(descriptor_) != 0 && errno != EINVAL) {
+        throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno));
+    }
+}
+
+}  // namespace morphodesic::pipeline

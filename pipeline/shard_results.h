@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "pipeline/result_store.h"
+
+namespace morphodesic::pipeline {
+
+/// What a result file of a shard holds. One JSON object per line: first the header, then one geodesic each with a
+/// checksum over its row.
+struct ShardResults {
+    std::string settings_hash;
+    int solver = 0;                    ///< solver revision
+    std::vector<StoredGeodesic> rows;  ///< sound ones
+    long damaged = 0;                  ///< lines that are not what was written
+    std::string problem;               ///< why nothing of the file may be used; empty if it may
+};
+[[nodiscard]] ShardResults read_shard_results(const std::filesystem::path& file);
+
+/// The result file of a shard while it is computed: lines are only ever appended. Held by one process.
+class ShardWriter {
+public:
+    /// Opens or makes the file and cuts off a line that was not finished.
+    /// @throws StoreError if another process holds it, if it belongs to other settings, or if it cannot be written
+    ShardWriter(std::filesystem::path file, const std::string& settings_hash);
+    ~ShardWriter();
+    ShardWriter(const ShardWriter&) = delete;
+    ShardWriter& operator=(const ShardWriter&) = delete;
+
+    /// What is in the file already.
+    [[nodiscard]] const std::vector<StoredGeodesic>& before() const { return before_; }
+    void append(const StoredGeodesic& geodesic);
+    void flush();
+
+private:
+    void write(const std::string& line);
+
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+    std::mutex mutex_;
+    std::vector<StoredGeodesic> before_;
+};
+
+}  // namespace morphodesic::pipeline
