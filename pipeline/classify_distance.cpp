@@ -282,10 +282,13 @@ PartialDistance PartialMatcher<Dim>::measure(const ComparedShape<Dim>& whole, co
                                                   [&](const LevelReport&) { return !(stop && stop()); });
         });
         result.length = solved.path_length;
-        double factor = 1.0;
-        if (options_.correction == "visible") factor = 1.0 / std::sqrt(std::max(0.05, 1.0 - start.hidden_share));
-        result.distance = std::sqrt(factor * factor * result.length * result.length + start.penalty);
-        result.error = solved.error * factor;
+        // What no path explains (the mismatch in the total energy) counts as well: templates that the query cannot
+        // reach would else look near. A part of a shape costs less than the whole, so it is compared per visible share.
+        const bool literal = options_.correction == "none";
+        const double squared = literal ? result.length * result.length : solved.total_energy;
+        const double visible = literal ? 1.0 : std::max(0.05, 1.0 - start.hidden_share);
+        result.distance = std::sqrt(std::max(0.0, squared) / visible + start.penalty);
+        result.error = solved.error / std::sqrt(visible);
         if (solved.termination == Termination::cancelled) {
             result.problem = "cancelled";
         } else if (!std::isfinite(result.length)) {

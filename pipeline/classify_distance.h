@@ -43,9 +43,11 @@ struct PartialStart {
 
 /// Distance of the visible part of a query from a template.
 struct PartialDistance {
-    double distance = 0.0;  ///< corrected path length
-    double error = 0.0;     ///< its error bar
-    double length = 0.0;    ///< path length as solved
+    /// sqrt((path energy + what the mismatch weighs) / visible share of the template); with the correction "none" the
+    /// path length.
+    double distance = 0.0;
+    double error = 0.0;   ///< its error bar
+    double length = 0.0;  ///< path length as solved
     int level = 0, time_steps = 0;
     std::string problem;  ///< why there is no trustworthy distance; empty if there is one
 };

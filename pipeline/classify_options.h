@@ -8,8 +8,8 @@ namespace morphodesic::pipeline {
 /// How a query of which a part may be hidden is compared with templates. One list of fields feeds command line and
 /// output.
 struct ClassifyOptions {
-    std::string correction = "filled";  ///< none | visible | filled | cut, see correction_help
-    double largest_hidden = 0.6;        ///< share of a shape that may be hidden, in [0, 0.95]
+    std::string correction = "cut";  ///< cut | filled | visible | none: against the bias of hidden parts
+    double largest_hidden = 0.6;     ///< share of a shape that may be hidden, in [0, 0.95]
     double hidden_cost = 0.35;      ///< mask auto: what hiding a part costs, per root of the area that was hidden, >= 0
     int alignments = 2;             ///< alignments per template that coarse geodesics decide between, >= 1
     bool screening = true;          ///< finer levels only for templates that can still be the answer
@@ -23,12 +23,12 @@ struct ClassifyOptions {
     static void for_each_field(Self& self, Visitor&& visit) {
         visit(
             "correction", self.correction,
-            "what makes distances of partly hidden queries comparable: filled (the hidden part is as stiff as that of "
-            "the template), none (as in the paper), visible (none, over the root of the visible share) or cut (the "
-            "template is cut as well)");
+            "what makes distances of partly hidden queries comparable, all per visible share: cut (the template is cut "
+            "as the query is), filled (the hidden part is as stiff as the template's), visible (masked mismatch only); "
+            "or none (the masked path length of the paper)");
         visit("largest-hidden", self.largest_hidden, "share of a shape that may be hidden");
         visit("hidden-cost", self.hidden_cost,
-              "--mask auto: cost of hiding a part, as a distance per root of the hidden area");
+              "--mask auto: what hiding a part costs, as a distance per root of its area");
         visit("alignments", self.alignments, "alignments per template that coarse geodesics decide between");
         visit("screening", self.screening, "finer levels only for templates that can still be the answer");
         visit("templates-per-class", self.templates_per_class, "medoids that represent a class; 0: all its members");

@@ -11,10 +11,12 @@
 #include <cmath>
 #include <iostream>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <set>
 
 #include "analysis/k_medoids.h"
+#include "pipeline/classify_page.h"
 #include "pipeline/classify_results.h"
 #include "pipeline/classify_screening.h"
 #include "pipeline/classify_templates.h"
@@ -185,14 +187,29 @@ public:
         const double begin = now();
         progress_.message("classifying " + std::to_string(list.sources.size()) + " queries");
         run.queries.resize(list.sources.size());
-        count(list.sources.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.sources[i]); });
+        pictured_.resize(std::min(list.sources.size(), static_cast<std::size_t>(options_.pictures)));
+        count(list.sources.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.sources[i], i); });
         run.seconds = now() - begin;
         for (const QueryResult& query : run.queries) {
             if (!query.problem.empty()) run.failures.push_back({query.name, "", query.problem});
         }
     }
 
-    [[nodiscard]] const TemplateSet<Dim>& templates() const { return set_; }
+    /// The page, with pictures and filmstrips of the first queries.
+    [[nodiscard]] reports::ClassificationPage page() const {
+        reports::ClassificationPage page = classification_page(run, options_.command);
+        for (std::size_t i = 0; i < pictured_.size(); ++i) {
+            const Pictured& pictured = pictured_[i];
+            if (!pictured.query) continue;
+            page.queries[i].picture = query_picture<Dim>(pictured.query->level_set, pictured.query->mask, 240);
+            page.queries[i].strips.resize(pictured.starts.size());
+            tbb::parallel_for(std::size_t{0}, pictured.starts.size(), [&](std::size_t s) {
+                const auto& [item, start] = pictured.starts[s];
+                page.queries[i].strips[s] = filmstrip<Dim>(pictured.query, *set_.shapes[item], start, run);
+            });
+        }
+        return page;
+    }
 
     ClassificationRun run;
 
@@ -210,6 +227,27 @@ private:
                 progress_.message("  " + std::to_string(finished) + " of " + std::to_string(n));
             }
         });
+    }
+
+    /// What the pictures of a query need.
+    struct Pictured {
+        std::shared_ptr<const ComparedShape<Dim>> query;
+        std::vector<std::pair<std::size_t, PartialStart<Dim>>> starts;  ///< to the nearest templates
+    };
+
+    void remember(Pictured& pictured, std::shared_ptr<const ComparedShape<Dim>> query,
+                  const std::vector<TemplateResult<Dim>>& rows) const {
+        pictured.query = std::move(query);
+        std::vector<const TemplateResult<Dim>*> order;
+        for (const auto& row : rows) {
+            if (!std::isnan(row.distance)) order.push_back(&row);
+        }
+        std::stable_sort(order.begin(), order.end(),
+                         [](const auto* a, const auto* b) { return a->distance < b->distance; });
+        for (const auto* row : order) {
+            if (pictured.starts.size() == static_cast<std::size_t>(options_.filmstrips)) break;
+            pictured.starts.emplace_back(row->item, row->start);
+        }
     }
 
     void keep_medoids(std::size_t per_class) {
@@ -246,7 +284,7 @@ private:
         for (const auto& known : analysis::class_counts(classes_)) run.classes.push_back(known.name);
     }
 
-    QueryResult classify_one(const datasets::ShapeSource& source) const {
+    QueryResult classify_one(const datasets::ShapeSource& source, std::size_t index) {
         QueryResult result;
         result.name = source.name;
         result.truth = source.label;
@@ -264,6 +302,7 @@ private:
                                                           options_.classify, stopped);
             result = result_of(*query, rows);
             result.truth = source.label;
+            if (index < pictured_.size()) remember(pictured_[index], query, rows);
         } catch (const std::bad_alloc&) {
             result.problem = source.path.string() + ": not enough memory; choose a lower --level";
         } catch (const datasets::ReadError& error) {
@@ -326,6 +365,7 @@ private:
     analysis::DistanceMatrix distances_;
     std::vector<std::vector<TemplateResult<Dim>>> loo_rows_;
     double loo_seconds_ = 0.0;
+    std::vector<Pictured> pictured_;
     std::mutex mutex_;
 };
 
@@ -422,6 +462,7 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
     summary.data = to_json(run);
     folder.write("classification.csv", queries_csv(run));
     folder.write("ranking.csv", ranking_csv(run));
+    folder.write("classification.html", reports::render_classification(classifier.page()));
     for (const std::string& remark : run.remarks) summary.lines.push_back(remark);
     say(run, summary);
     summary.lines.push_back("results: " + folder.path().string());

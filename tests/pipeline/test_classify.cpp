@@ -1,0 +1,160 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/classify_results.h"
+#include "pipeline/classify_screening.h"
+#include "pipeline/cli.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+/// Ellipse, bar, cross and ring: four classes with one shape each, and a second size of each.
+LevelSet<2> shape(int kind, double size) {
+    LevelSet<2> u{DyadicGrid<2>(6)};
+    const auto box = [](double x, double y, double a, double b) { return std::min(a - std::abs(x), b - std::abs(y)); };
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const Point<2> p = u.grid.position(u.grid.node(i));
+        const double x = (p[0] - 0.5) / size, y = (p[1] - 0.5) / size, r = std::hypot(x, y);
+        const double v = kind == 0   ? 0.17 - r
+                         : kind == 1 ? box(x, y, 0.3, 0.07)
+                         : kind == 2 ? std::max(box(x, y, 0.3, 0.06), box(x, y, 0.06, 0.3))
+                                     : std::min(0.26 - r, r - 0.15);
+        u.values[i] = v * size;
+    }
+    return redistanced(u);
+}
+
+std::shared_ptr<const ComparedShape<2>> compared(int kind, double size) {
+    auto s = std::make_shared<ComparedShape<2>>();
+    s->label = std::string(1, static_cast<char>('a' + kind));
+    s->name = s->label + std::to_string(size);
+    s->digest = s->name;
+    s->level_set = shape(kind, size);
+    for (const double v : s->level_set.values) s->volume += v > 0 ? 1.0 / 4096 : 0.0;
+    return s;
+}
+
+std::vector<std::shared_ptr<const ComparedShape<2>>> all_templates() {
+    std::vector<std::shared_ptr<const ComparedShape<2>>> templates;
+    for (int kind = 0; kind < 4; ++kind) {
+        for (const double size : {0.9, 1.0}) templates.push_back(compared(kind, size));
+    }
+    return templates;
+}
+
+GeodesicOptions coarse() {
+    GeodesicOptions options;
+    options.level = 5;
+    options.time_steps = 2;
+    options.tolerance = 1e-2;
+    return options;
+}
+
+const TemplateResult<2>& nearest(const std::vector<TemplateResult<2>>& results) {
+    return *std::min_element(results.begin(), results.end(),
+                             [](const auto& a, const auto& b) { return a.distance < b.distance; });
+}
+
+TEST(Classify, AQueryLikeATemplateHasDistanceZeroAndRankOne) {
+    const auto templates = all_templates();
+    const PartialMatcher<2> matcher(templates[5], {}, "common", "rigid", false);
+    const auto results = compare_with_templates<2>(matcher, templates, coarse(), {}, {});
+    EXPECT_EQ(nearest(results).item, 5U);
+    EXPECT_EQ(nearest(results).distance, 0.0);
+}
+
+TEST(Classify, ScreeningGivesTheSameAnswerForLessWork) {
+    const auto templates = all_templates();
+    for (int kind = 0; kind < 4; ++kind) {
+        auto query = std::make_shared<ComparedShape<2>>(*compared(kind, 0.95));
+        query->mask = ScalarField<2>(query->level_set.grid, 1.0);
+        for (std::size_t i = 0; i < query->mask.values.size(); ++i) {
+            if (query->mask.grid.position(query->mask.grid.node(i))[0] > 0.58) {
+                query->mask.values[i] = 0.0;
+                query->level_set.values[i] = std::min(query->level_set.values[i], -0.01);
+            }
+        }
+        query->level_set = redistanced(query->level_set);
+        const PartialMatcher<2> matcher(query, {}, "common", "rigid", false);
+        ClassifyOptions all;
+        all.screening = false;
+        const auto screened = compare_with_templates<2>(matcher, templates, coarse(), {}, {});
+        const auto full = compare_with_templates<2>(matcher, templates, coarse(), all, {});
+        EXPECT_EQ(nearest(screened).item, nearest(full).item) << kind;
+        EXPECT_EQ(nearest(screened).distance, nearest(full).distance) << kind;
+        EXPECT_EQ(templates[nearest(full).item]->label, std::string(1, static_cast<char>('a' + kind)));
+        const auto refined = [](const auto& results) {
+            return std::count_if(results.begin(), results.end(), [](const auto& r) { return r.refined; });
+        };
+        EXPECT_LT(refined(screened), refined(full)) << kind;
+        EXPECT_EQ(refined(full), 8);
+    }
+}
+
+TEST(Classify, AMaskGrowsWhereAPartIsMissing) {
+    const LevelSet<2> whole = shape(2, 1.0), part = shape(1, 1.0);  // a cross that lost two arms
+    const ScalarField<2> mask = grown_mask<2>(part, whole, Hypothesis::missing);
+    const auto at = [&](double x, double y) {
+        return mask.values[mask.grid.index({static_cast<int>(x * 64), static_cast<int>(y * 64)})];
+    };
+    EXPECT_EQ(at(0.5, 0.7), 0.0);
+    EXPECT_EQ(at(0.5, 0.3), 0.0);
+    EXPECT_EQ(at(0.7, 0.5), 1.0);
+    EXPECT_EQ(at(0.25, 0.5), 1.0);
+    const ScalarField<2> none = grown_mask<2>(part, whole, Hypothesis::added);
+    EXPECT_EQ(none.values, std::vector<double>(none.values.size(), 1.0));
+}
+
+TEST(Classify, RedistancedGivesDistances) {
+    LevelSet<2> u{DyadicGrid<2>(6)};
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const Point<2> p = u.grid.position(u.grid.node(i));
+        const double r = std::hypot(p[0] - 0.5, p[1] - 0.5);
+        u.values[i] = 5 * (0.25 * 0.25 - r * r);
+    }
+    const LevelSet<2> d = redistanced(u);
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const Point<2> p = u.grid.position(u.grid.node(i));
+        EXPECT_NEAR(d.values[i], 0.25 - std::hypot(p[0] - 0.5, p[1] - 0.5), 0.3 / 64);
+    }
+}
+
+TEST(Classify, BatchOfOccludedLettersFromTheCommandLine) {
+    const tests::TemporaryFolder folder;
+    const std::string men = (folder / "bars").string(), queries = (folder / "queries").string(),
+                      out = (folder / "out").string();
+    for (const char* kind : {"bars", "disks"}) {
+        ASSERT_EQ(run_program({"datasets", kind, "--out", men + "/" + kind, "--count", "3", "--size", "96", "--quiet"}),
+                  0);
+    }
+    ASSERT_EQ(run_program(
+                  {"datasets", "occlude", men, "--fraction", "0.2", "--out", queries, "--labels", "folder", "--quiet"}),
+              0);
+    ASSERT_EQ(run_program({"classify", queries, "--templates", men, "--labels", "folder", "--level", "4", "--steps",
+                           "1", "--out", out, "--quiet", "--filmstrips", "1", "--pictures", "2"}),
+              0);
+    const auto json = nlohmann::json::parse(tests::file_content(folder / "out/classification.json"));
+    EXPECT_EQ(json["queries"].size(), 6U);
+    EXPECT_EQ(json["labelled"], 6);
+    EXPECT_GE(json["accuracy"].get<double>(), 0.99);
+    EXPECT_EQ(json["queries"][0]["mask"], "known");
+    EXPECT_EQ(json["queries"][0]["templates"].size(), 6U);
+    const std::string page = tests::file_content(folder / "out/classification.html");
+    EXPECT_THAT(page, testing::HasSubstr("Confusion matrix"));
+    EXPECT_THAT(page, testing::HasSubstr("data:image/png;base64,"));
+    EXPECT_THAT(page, testing::Not(testing::HasSubstr("http://")));
+}
+
+TEST(Classify, BadUsageIsExitCodeTwo) {
+    const tests::TemporaryFolder folder;
+    EXPECT_EQ(run_program({"classify", "nothing.png", "--templates", (folder / "no").string(), "--quiet"}), 2);
+    EXPECT_EQ(run_program({"classify", "--templates", folder.path().string(), "--quiet"}), 2);
+    EXPECT_EQ(run_program({"classify", "x.png", "--templates", folder.path().string(), "--correction", "magic"}), 2);
+}
+
+}  // namespace
+}  // namespace morphodesic::pipeline
