@@ -76,7 +76,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                       ResultStore& store, const SolidView& view, const KeptSolids& kept, const StudyFolder& folder,
                       const std::filesystem::path& below, std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
-    const std::string key = Dim == 2 ? "path 1 " + pair : "path 2 " + pair + " " + key_of(view);
+    const std::string key = Dim == 2 ? "path 1 " + pair : "path 3 " + pair + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
     if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);

@@ -1,8 +1,10 @@
 #include "pipeline/solid_paths.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 
 #include "datasets/read_error.h"
 #include "datasets/vdb_files.h"
@@ -30,6 +32,23 @@ RgbaImage stacked(const RgbaImage& top, const RgbaImage& bottom, int gap) {
     std::copy(bottom.pixels.begin(), bottom.pixels.end(),
               result.pixels.end() - static_cast<std::ptrdiff_t>(bottom.pixels.size()));
     return result;
+}
+
+/// The slice as it is seen from the camera's side.
+datasets::PixelImage seen_from(const datasets::View& camera, int slice_axis, datasets::PixelImage slice) {
+    // The camera's right is up x from; the slice has the axis that is neither up nor across to the right.
+    const int right = 3 - camera.up_axis - slice_axis;
+    const double azimuth = camera.azimuth * std::numbers::pi / 180.0;
+    const double to_the_right = right == (camera.up_axis + 1) % 3 ? -std::sin(azimuth) : std::cos(azimuth);
+    if (to_the_right >= 0) return slice;
+    const auto channels = static_cast<std::ptrdiff_t>(slice.channels);
+    for (int row = 0; row < slice.height; ++row) {
+        auto* first = slice.values.data() + static_cast<std::ptrdiff_t>(row) * slice.width * channels;
+        for (std::ptrdiff_t i = 0, j = slice.width - 1; i < j; ++i, --j) {
+            std::swap_ranges(first + i * channels, first + (i + 1) * channels, first + j * channels);
+        }
+    }
+    return slice;
 }
 
 datasets::View sized(datasets::View view, int pixels) {
@@ -62,8 +81,10 @@ PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const S
                                 }};
     for (std::size_t k = 0; k < rates.size(); ++k) {
         const auto view_of_frame = datasets::shaded_view(path.shapes[k], sized(view.camera, pixels), &rates[k], range);
-        const auto slice = datasets::slice_picture(path.shapes[k], view.slice_axis, 0.5, pixels, &rates[k], range,
-                                                   view.camera.up_axis, datasets::view_radius(view.camera));
+        const auto slice =
+            seen_from(view.camera, view.slice_axis,
+                      datasets::slice_picture(path.shapes[k], view.slice_axis, 0.5, pixels, &rates[k], range,
+                                              view.camera.up_axis, datasets::view_radius(view.camera)));
         pictures.frames.push_back(stacked(to_rgba(view_of_frame), to_rgba(slice), 4));
     }
     return pictures;
