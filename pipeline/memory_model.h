@@ -17,8 +17,8 @@ namespace morphodesic::pipeline {
 /// Bytes of one shape that is kept on this level (doubles).
 [[nodiscard]] std::size_t bytes_of_shape(int dimension, int level);
 
-/// What the program takes without any shape or pair: code, libraries, threads.
-inline constexpr std::size_t bytes_of_program = std::size_t{48} << 20;
+/// What the program takes without any shape or pair: code, libraries, threads (measured, see pipeline/COST.md).
+inline constexpr std::size_t bytes_of_program = std::size_t{112} << 20;
 
 /// Memory that this process may still take: what the system calls available, or less if its control group has a limit.
 [[nodiscard]] std::size_t available_memory();
