@@ -1,5 +1,7 @@
 #include <toml++/toml.h>
 
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -23,9 +25,22 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
     const auto fail = [&](const toml::source_position& at, const std::string& problem) {
         throw std::invalid_argument(file + ", line " + std::to_string(at.line) + ": " + problem);
     };
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    if (!in.is_open() || in.bad())
+        throw std::invalid_argument(file + ": cannot be read; check the name after --config");
+    // The parser stops the program at some control characters, which TOML forbids anyway.
+    unsigned line = 1;
+    for (const char c : text) {
+        if (c == '\n') ++line;
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f) {
+            fail({line, 1}, "there is a byte that no text has; is this a TOML file?");
+        }
+    }
     std::vector<std::string> tokens;
     try {
-        const toml::table table = toml::parse_file(file);
+        const toml::table table = toml::parse(text, file);
         for (const auto& [key, node] : table) {
             const std::string name(std::string_view{key});
             if (name == "config") fail(node.source().begin, "a configuration file cannot name another one");
