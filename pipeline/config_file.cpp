@@ -1,11 +1,10 @@
-#include <toml++/toml.h>
-
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 
 #include "pipeline/cli.h"
+#include "pipeline/toml.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -29,7 +28,7 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (!in.is_open() || in.bad())
         throw std::invalid_argument(file + ": cannot be read; check the name after --config");
-    // The parser stops the program at some control characters, which TOML forbids anyway.
+    // TOML forbids control characters; the parser does not look at all of them.
     unsigned line = 1;
     for (const char c : text) {
         if (c == '\n') ++line;
@@ -57,6 +56,8 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
         }
     } catch (const toml::parse_error& error) {
         fail(error.source().begin, std::string(error.description()));
+    } catch (const NotToml&) {
+        throw std::invalid_argument(file + ": this is not TOML; write one option per line, as in: level = 6");
     }
     return tokens;
 }

@@ -1,7 +1,5 @@
 #include "pipeline/run_settings.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <charconv>
 #include <sstream>
@@ -9,6 +7,7 @@
 #include <type_traits>
 
 #include "pipeline/digest.h"
+#include "pipeline/toml.h"
 
 namespace morphodesic::pipeline {
 namespace {
