@@ -154,7 +154,7 @@ LevelSet<Dim> filled_in(const LevelSet<Dim>& visible, const LevelSet<Dim>& whole
 
 template <int Dim>
 ScalarField<Dim> grown_mask(const LevelSet<Dim>& query, const LevelSet<Dim>& whole, Hypothesis hypothesis) {
-    const double h = query.grid.spacing(), core = 2.0 / 32, rim = 1.0 / 32;
+    const double h = query.grid.spacing(), core = 1.0 / 32, rim = 1.0 / 32;
     LevelSet<Dim> depth(query.grid);
     bool any = false;
     for (std::size_t i = 0; i < depth.values.size(); ++i) {

@@ -92,7 +92,7 @@ template <int Dim>
 [[nodiscard]] LevelSet<Dim> redistanced(const LevelSet<Dim>& u);
 
 /// chi in the frame of the template where the two shapes, laid on each other, do not belong together: the template
-/// alone (missing) or the query alone (added) for more than about two cells.
+/// alone (missing) or the query alone (added) deeper than 1/32 of the cube.
 template <int Dim>
 [[nodiscard]] ScalarField<Dim> grown_mask(const LevelSet<Dim>& query, const LevelSet<Dim>& whole,
                                           Hypothesis hypothesis);
