@@ -77,7 +77,7 @@ std::string picture_of(const LevelSet<2>& u) {
     return encode_png(shape_picture<2>(u, 160));
 }
 std::string picture_of(const LevelSet<3>& u) {
-    return encode_png(shape_picture<3>(u, 240));
+    return encode_png(solid_picture(u, 240));
 }
 
 double farthest(const DistanceMatrix& m, const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {

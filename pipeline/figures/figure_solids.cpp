@@ -4,7 +4,6 @@
 
 #include "geodesic/grid/measures.h"
 #include "pipeline/figures/solid_rows.h"
-#include "pipeline/path_pictures.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -37,11 +36,11 @@ Figure figure_letters_and_solids(const FigureOptions& options) {
     Row row{10, 0, 120, 4, 0.78, {0.5, 0.5}, 1.0};
     const int pixels = options.quick ? 120 : 360;
     std::vector<RgbaImage> bodies;
-    for (const auto& u : animals.shapes) bodies.push_back(shape_picture<3>(u, pixels));
+    for (const auto& u : animals.shapes) bodies.push_back(solid_picture(u, pixels));
     draw_frames(svg, row, bodies, 1.35);
     row.y += 108;
-    const PathPictures coloured = path_pictures<3>(animals, pixels);
-    draw_frames(svg, row, {coloured.frames.begin(), coloured.frames.end() - 1}, 1.35);
+    const SolidFrames coloured = dissipation_pictures(animals, pixels);
+    draw_frames(svg, row, coloured.frames, 1.35);
     row.y += 122;
     const double middle = 0.5 * (20 + 124.0 * static_cast<double>(shapes));
     colour_bar(svg, middle - 200, row.y, 400, dissipation_colour, 0, coloured.highest,
@@ -87,7 +86,7 @@ Figure figure_sliced_solids(const FigureOptions& options) {
     const double width = 20 + 204.0 * static_cast<double>(columns);
     reports::Svg svg(width, 720);
     Row row{10, 0, 200, 4, 0.8, {0.5, 0.5}, 1.0};
-    const PathPictures coloured = path_pictures<3>(animals, pixels);
+    const SolidFrames coloured = dissipation_pictures(animals, pixels);
     std::vector<RgbaImage> cut;
     for (const auto& u : animals.shapes) cut.push_back(cut_picture(u, pixels, 0.02));
     const auto lines = [&](const std::vector<RgbaImage>& frames, std::size_t count, double larger) {

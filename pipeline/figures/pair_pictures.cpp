@@ -8,7 +8,6 @@
 #include "geodesic/solver/path_interpolation.h"
 #include "pipeline/figures/animation.h"
 #include "pipeline/figures/solid_rows.h"
-#include "pipeline/path_pictures.h"
 #include "pipeline/store_error.h"
 #include "reports/figures.h"
 
@@ -106,14 +105,14 @@ Figure path_figure_of(const GeodesicResult<Dim>& path) {
         row.y += cell + 22;
     } else {
         constexpr int pixels = 320;
-        const PathPictures coloured = path_pictures<Dim>(path, pixels);
+        const SolidFrames coloured = dissipation_pictures(path, pixels);
         for (std::size_t k = 0; k < shapes; ++k) {
             const Panel panel = row.panel(k);
             const double step = 0.8 * cell;
             const auto frame = [&](double y, const RgbaImage& image) {
                 svg.image(panel.x, y, panel.width, panel.width, encode_png(image));
             };
-            frame(row.y - 20, shape_picture<Dim>(path.shapes[k], pixels));
+            frame(row.y - 20, solid_picture(path.shapes[k], pixels));
             if (k + 1 < shapes) frame(row.y - 20 + step, coloured.frames[k]);
             frame(row.y + 20 + 2 * step, cut_picture(path.shapes[k], pixels, 0.02));
         }

@@ -17,7 +17,7 @@ template <int Dim>
 /// Writes path.png, path.svg, path.csv and, in 2D, the animation path.webp into a folder that exists. (The solids of the
 /// steps are written by write_path_solids.)
 /// @return the names of the files
-/// @throws StoreError or datasets::WriteError if a file cannot be written
+/// @throws StoreError if a file cannot be written
 template <int Dim>
 std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder, const GeodesicResult<Dim>& path);
 
