@@ -21,7 +21,8 @@ struct TemplateResult {
 };
 
 /// One round of the screening: how fine, and between which factors of a distance found there that of the finest level
-/// lies (measured on pairs of several collections, with a reserve).
+/// is taken to lie. The factors are assumed, not measured: wide enough for the first order in h of the lengths
+///, and the tests compare answers with and without screening.
 struct ScreeningStage {
     GeodesicOptions geodesic;
     double least_factor = 1.0, largest_factor = 1.0;
