@@ -96,7 +96,7 @@ Figure figure_convergence(const FigureOptions& options) {
     plot(svg, x, y, fixed, "#c2603a");
     svg.text(x(growing.back().first) - 6, y(growing.back().second) - 14, "eta = 25 K", 11, "end", "#1f4e8c", true,
              "#ffffff");
-    svg.text(x(fixed.back().first) - 6, y(fixed.back().second) - 14, "eta = 200", 11, "end", "#c2603a", true,
+    svg.text(x(fixed.back().first) - 6, y(fixed.back().second) + 16, "eta = 200", 11, "end", "#c2603a", true,
              "#ffffff");
     Series upper;
     for (const auto& path : levels) upper.emplace_back(path.options.level, path.path_length + path.error);
@@ -162,7 +162,7 @@ Figure figure_disk(const FigureOptions& options) {
     outline_shape(svg, panel, last.shapes.back(), "#1b2430", 1.5);
     const auto& w = last.deformations[0].displacement;
     for (int i = 0; i < 16; ++i) {
-        for (const double r : {0.08, 0.14, 0.20}) {
+        for (const double r : {0.05, 0.10, 0.15}) {
             const double angle = 2 * std::numbers::pi * (i + 0.5) / 16;
             const Point<2> p{0.5 + r * std::cos(angle), 0.5 + r * std::sin(angle)};
             const auto component = [&](std::size_t c) {
