@@ -64,9 +64,9 @@ const std::vector<Preset>& presets() {
          "2 %",
          5, 2, 1e-2, 2},
         {"standard",
-         "level 6, 4 steps: for studies; 0.4 s of a core per 2D pair, distances some 5 % short, extrapolated within "
+         "level 6, 4 steps: for studies; 0.35 s of a core per 2D pair, distances some 5 % short, extrapolated within "
          "1.5 %",
-         6, 4, 3e-3, 3},
+         6, 4, 3e-3, 2},
         {"fine",
          "level 7, 8 steps: for final numbers; ten times the cost of standard, some 2.5 % short, extrapolated within "
          "0.5 %",

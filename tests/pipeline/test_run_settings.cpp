@@ -59,7 +59,9 @@ TEST(RunSettings, PresetsAreUsableAndInOrderOfCost) {
         EXPECT_GT(settings.geodesic.level, level);
         level = settings.geodesic.level;
     }
-    EXPECT_EQ(settings_of_preset("standard").geodesic, GeodesicOptions());
+    GeodesicOptions standard;  // the defaults, but for the number of starts: studies solve many pairs
+    standard.starts = 2;
+    EXPECT_EQ(settings_of_preset("standard").geodesic, standard);
     EXPECT_THROW((void)settings_of_preset("best"), std::invalid_argument);
 }
 
