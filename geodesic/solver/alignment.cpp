@@ -9,6 +9,7 @@
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
+#include "geodesic/solver/small_rotation.h"
 
 namespace morphodesic {
 
@@ -63,19 +64,6 @@ struct Motion {
         return m;
     }
 };
-
-/// Rotation by a small angle (2D: one number, 3D: axis times angle).
-template <int Dim>
-Matrix<Dim> small_rotation(const Eigen::VectorXd& angles) {
-    if constexpr (Dim == 2) {
-        return Eigen::Rotation2D<double>(angles(0)).toRotationMatrix();
-    } else {
-        const Eigen::Vector3d w = angles.head<3>();
-        const double angle = w.norm();
-        if (angle < 1e-14) return Matrix<3>::Identity();
-        return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-    }
-}
 
 /// Mismatch of a o motion^-1 with b at the nodes of a grid, and its Gauss-Newton system in (angles, translation).
 template <int Dim>

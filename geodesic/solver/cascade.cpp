@@ -9,6 +9,7 @@
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
 
@@ -51,16 +52,6 @@ void invert_at(const PathState<Dim>& path, int k, double share, const std::type_
         for (std::size_t a = 0; a < Dim; ++a) x[a] = std::clamp(x[a] + damping * step[a], 0.0, 1.0);
         if (change < 1e-7) break;
     }
-}
-
-template <int Dim, class Body>
-void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
-    const auto n = static_cast<std::size_t>(grid.nodes_per_axis());
-    oneapi::tbb::this_task_arena::isolate([&] {
-        oneapi::tbb::parallel_for(std::size_t{0}, grid.node_count() / n, [&](std::size_t row) {
-            for (std::size_t i = row * n; i < (row + 1) * n; ++i) body(i);
-        });
-    });
 }
 
 template <int Dim>

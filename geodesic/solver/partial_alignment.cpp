@@ -8,6 +8,7 @@
 
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
+#include "geodesic/solver/small_rotation.h"
 
 namespace morphodesic {
 
@@ -164,18 +165,6 @@ std::vector<Matrix<Dim>> turns(const Vector<Dim>& from, const Vector<Dim>& to) {
             result.push_back(Eigen::AngleAxisd(2 * std::numbers::pi * k / rolls, to).toRotationMatrix() * base);
         }
         return result;
-    }
-}
-
-template <int Dim>
-Matrix<Dim> small_rotation(const Eigen::VectorXd& angles) {
-    if constexpr (Dim == 2) {
-        return Eigen::Rotation2D<double>(angles(0)).toRotationMatrix();
-    } else {
-        const Eigen::Vector3d w = angles.head<3>();
-        const double angle = w.norm();
-        if (angle < 1e-14) return Matrix<3>::Identity();
-        return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
     }
 }
 

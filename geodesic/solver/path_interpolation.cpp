@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 
 namespace morphodesic {
@@ -58,16 +59,6 @@ Point<Dim> newton_step(const Deformation<Dim>& phi, const std::type_identity_t<P
         b[static_cast<std::size_t>(i)] = sum / m[i][i];
     }
     return b;
-}
-
-template <int Dim, class Body>
-void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
-    const auto n = static_cast<std::size_t>(grid.nodes_per_axis());
-    oneapi::tbb::this_task_arena::isolate([&] {
-        oneapi::tbb::parallel_for(std::size_t{0}, grid.node_count() / n, [&](std::size_t row) {
-            for (std::size_t i = row * n; i < (row + 1) * n; ++i) body(i);
-        });
-    });
 }
 
 /// Step k (from 0) that holds t, and the share of it that has passed, in (0, 1] (or 0 at t = 0).
