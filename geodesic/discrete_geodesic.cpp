@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/transfer.h"
@@ -18,9 +19,29 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int start_level = 4;                // the search for the best start happens here,
-constexpr int coarse_steps = 4;               // with at most so many time steps
-constexpr double selection_tolerance = 5e-3;  // of the energy, while starts compete
+// The search for the best start happens from this level on, with at most so many time steps.
+constexpr int start_level = 4;
+constexpr int search_steps = 4;
+// While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
+// one to the next, and the energy has many small steps that say nothing.
+constexpr double search_rim = 1.0;
+constexpr double start_tolerance = 5e-3, search_tolerance = 2e-2;  // of the energy, on the start level and above it
+constexpr double smooth_tolerance = 1e-2;  // of the energy with the wide rim, before the narrow one takes over
+
+/// Up to this level starts compete. Above, their order hardly changes and each costs much.
+template <int Dim>
+constexpr int last_search_level = Dim == 2 ? 6 : 5;
+
+/// Starts that go on from a level of the search: at most `count`, with an energy up to `margin` times the least.
+/// Measured on letters: energies of one start on levels 4 and 6 differ by up to a quarter, on levels 5 and 6 by up to
+/// an eighth.
+struct Cut {
+    double margin;
+    int count;
+};
+Cut cut_before(int level, int starts) {
+    return level == start_level + 1 ? Cut{1.25, starts} : Cut{1.08, (starts + 1) / 2};
+}
 
 struct Cancelled {};
 
@@ -29,6 +50,7 @@ template <int Dim>
 struct Start {
     RigidMotion<Dim> motion;
     PathState<Dim> path;
+    PathState<Dim> coarser;  ///< where the search left it one level below
     PathTerms terms;
     Termination termination = Termination::converged;
     std::vector<LevelReport> levels;
@@ -47,7 +69,8 @@ public:
         result.options = options_;
         Start<Dim> best;
         try {
-            best = refine(coarse_starts());
+            best = search();
+            finish(best);
             certify(best);
         } catch (const Cancelled&) {
             result.termination = Termination::cancelled;
@@ -87,11 +110,13 @@ private:
         std::copy(old.begin(), old.end(), path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)));
     }
 
-    /// Minimises on the level and K of the path.
-    void solve(Start<Dim>& start, int folds, double tolerance) {
+    /// Minimises on the level and K of the path, with the given rim.
+    void solve(Start<Dim>& start, int folds, double rim_width, double tolerance) {
         const auto begin = Clock::now();
         const int level = start.path.layout.grid.level(), steps = start.path.layout.time_steps;
-        PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options_,
+        GeodesicOptions options = options_;
+        options.rim_width = rim_width;
+        PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options,
                                mask_on(start.motion, level));
         adopt_transported_shapes(start.path, energy);
         MinimizerOptions minimizer;
@@ -103,6 +128,7 @@ private:
         LevelReport report;
         report.level = level;
         report.time_steps = steps;
+        report.rim_width = rim_width;
         report.iterations = summary.iterations;
         report.evaluations = summary.evaluations;
         report.total_energy = summary.terms.total;
@@ -115,21 +141,24 @@ private:
         if (observer_ && !observer_(report)) throw Cancelled{};
     }
 
+    /// Rim of the search; never narrower than the wanted one.
+    [[nodiscard]] double wide_rim() const { return std::max(options_.rim_width, search_rim); }
+
     /// K -> 2 K on the level of the path.
-    void double_steps(Start<Dim>& start, double tolerance) {
+    void double_steps(Start<Dim>& start, double rim_width, double tolerance) {
         const int level = start.path.layout.grid.level();
         int folds = 0;
         start.path = split_in_time(start.path, first_on(start.motion, level), restricted(b_, level), folds);
-        solve(start, folds, tolerance);
+        solve(start, folds, rim_width, tolerance);
     }
 
-    /// Alignments and schedules, each solved on the start level with all time steps; best first.
+    /// The alignments, each solved on the start level with the time steps of the search.
     std::vector<Start<Dim>> coarse_starts() {
         const int level = std::min(start_level, options_.level);
-        const int steps =
-            std::min(options_.time_steps, level + 1 < options_.level ? coarse_steps : options_.time_steps);
-        const double loose = std::max(options_.tolerance, selection_tolerance);
+        const int steps = std::min(options_.time_steps, search_steps);
+        const double tolerance = std::max(options_.tolerance, start_tolerance);
         std::vector<Start<Dim>> starts;
+        // One schedule is enough: with the wide rim, all time steps at once end in the same path (measured on letters).
         for (const auto& candidate : align(a_, b_, options_.align, options_.starts)) {
             const auto first = first_on(candidate.motion, level);
             const auto last = restricted(b_, level);
@@ -137,16 +166,9 @@ private:
             Start<Dim> doubling;
             doubling.motion = candidate.motion;
             doubling.path = blended_path(first, last, 1);
-            solve(doubling, 0, loose);
-            while (doubling.path.layout.time_steps < steps) double_steps(doubling, loose);
+            solve(doubling, 0, wide_rim(), tolerance);
+            while (doubling.path.layout.time_steps < steps) double_steps(doubling, wide_rim(), tolerance);
             starts.push_back(std::move(doubling));
-            if (options_.starts == 1 || steps == 1) continue;
-            // All time steps at once, from blended shapes.
-            Start<Dim> direct;
-            direct.motion = candidate.motion;
-            direct.path = blended_path(first, last, steps);
-            solve(direct, 0, loose);
-            starts.push_back(std::move(direct));
         }
         sort(starts);
         return starts;
@@ -157,35 +179,59 @@ private:
                          [](const Start<Dim>& x, const Start<Dim>& y) { return x.terms.total < y.terms.total; });
     }
 
-    /// Level after level; half of the starts go on each time. While there is a choice left, a loose tolerance decides;
-    /// the winner alone is solved to the end.
-    Start<Dim> refine(std::vector<Start<Dim>> starts) {
-        const double loose = std::max(options_.tolerance, selection_tolerance);
-        std::size_t keep = static_cast<std::size_t>(options_.starts);
-        while (starts.front().path.layout.grid.level() < options_.level) {
-            starts.resize(std::min(starts.size(), keep));
+    /// Level after level the promising starts go on; returns the best on the last level of the search.
+    Start<Dim> search() {
+        auto starts = coarse_starts();
+        const double tolerance = std::max(options_.tolerance, search_tolerance);
+        const int last = std::min(options_.level, last_search_level<Dim>);
+        for (int level = starts.front().path.layout.grid.level() + 1; level <= last; ++level) {
+            const Cut cut = cut_before(level, options_.starts);
+            const double limit = cut.margin * starts.front().terms.total;
+            std::erase_if(starts, [&](const Start<Dim>& s) { return s.terms.total > limit; });
+            if (starts.size() > static_cast<std::size_t>(cut.count)) starts.resize(static_cast<std::size_t>(cut.count));
             for (auto& start : starts) {
                 int folds = 0;
-                start.path = prolong_in_space(start.path, folds);
-                solve(start, folds, starts.size() > 1 ? loose : options_.tolerance);
+                auto fine = prolong_in_space(start.path, folds);
+                start.coarser = std::exchange(start.path, std::move(fine));
+                solve(start, folds, wide_rim(), tolerance);
             }
             sort(starts);
-            keep = (keep + 1) / 2;
-            const int level = starts.front().path.layout.grid.level();
-            const bool contest = starts.size() > 1;
-            if (level == options_.level || keep == 1) {
-                starts.resize(1);
-                if (contest) solve(starts.front(), 0, options_.tolerance);
-            }
-            // Many short steps are coupled stiffly; they start from few long ones that have converged. The last two
-            // levels see all steps, so that the error bar compares like with like.
-            if (level + 1 >= options_.level) {
-                for (auto& start : starts) {
-                    while (start.path.layout.time_steps < options_.time_steps) double_steps(start, options_.tolerance);
-                }
-            }
         }
         return std::move(starts.front());
+    }
+
+    /// Narrow rim and all time steps, on the level where the path is. Many short steps are coupled stiffly; they start
+    /// from few long ones that have converged.
+    void settle(Start<Dim>& start) {
+        solve(start, 0, options_.rim_width, options_.tolerance);
+        while (start.path.layout.time_steps < options_.time_steps) {
+            double_steps(start, options_.rim_width, options_.tolerance);
+        }
+    }
+
+    /// Takes the best start of the search to the wanted level; the level below is solved to the end, too, since the
+    /// error bar compares the two.
+    void finish(Start<Dim>& best) {
+        if (best.path.layout.grid.level() == options_.level) {
+            if (best.coarser.x.empty()) return settle(best);  // a single level
+            Start<Dim> below;
+            below.motion = best.motion;
+            below.path = std::move(best.coarser);
+            settle(below);
+            length_below_ = below.terms.path_length();
+            best.levels.insert(best.levels.end(), below.levels.begin(), below.levels.end());
+            return settle(best);
+        }
+        while (best.path.layout.grid.level() < options_.level) {
+            if (best.path.layout.grid.level() + 1 == options_.level) {
+                settle(best);
+                length_below_ = best.terms.path_length();
+            }
+            int folds = 0;
+            best.path = prolong_in_space(best.path, folds);
+            solve(best, folds, wide_rim(), std::max(options_.tolerance, smooth_tolerance));
+        }
+        solve(best, 0, options_.rim_width, options_.tolerance);
     }
 
     static double min_det_of(const PathState<Dim>& path) {
@@ -213,7 +259,7 @@ private:
                 }
                 folds += repair_folds<Dim>(best.path.layout.grid, w, 4 * PathEnergy<Dim>::least_det);
             }
-            solve(best, folds, options_.tolerance);
+            solve(best, folds, options_.rim_width, options_.tolerance);
         }
     }
 
@@ -265,21 +311,21 @@ private:
     /// bar is 1.6 times that correction (on the closed forms the order is a little below one before the limit), half
     /// the change from the last doubling of K, and what the tolerance leaves.
     void error_bar(GeodesicResult<Dim>& result) const {
-        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-        double coarser = nan, fewer = nan, same = nan;
-        for (const auto& report : result.levels) {
-            const bool all_steps = report.time_steps == options_.time_steps;
-            if (report.level == options_.level - 1 && all_steps) coarser = report.path_length;
-            if (2 * report.time_steps == options_.time_steps) fewer = report.path_length;
-            if (all_steps && std::isnan(same)) same = report.path_length;
+        // What the doubling to all time steps changed, on the coarsest level that saw both.
+        double in_time = 0.0;
+        for (std::size_t i = 1; i < result.levels.size(); ++i) {
+            const LevelReport &before = result.levels[i - 1], &after = result.levels[i];
+            if (after.time_steps != options_.time_steps || 2 * before.time_steps != after.time_steps) continue;
+            in_time = after.path_length - before.path_length;
+            break;
         }
+        const double coarser = length_below_;
         if (std::isnan(coarser)) {  // a single level: nothing to extrapolate from
             result.extrapolated_length = result.path_length;
             result.error = result.path_length;
             return;
         }
         const double rest = result.path_length - coarser;
-        const double in_time = std::isnan(fewer) ? 0.0 : same - fewer;
         result.extrapolated_length = result.path_length + rest;
         result.error = 1.6 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
     }
@@ -289,6 +335,7 @@ private:
     const GeodesicOptions& options_;
     const ScalarField<Dim>& mask_;
     const GeodesicObserver& observer_;
+    double length_below_ = std::numeric_limits<double>::quiet_NaN();  // with the narrow rim, one level below
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace morphodesic {
 struct LevelReport {
     int level = 0;
     int time_steps = 0;
+    double rim_width = 0.0;  ///< eps / h: wide while starts compete, then GeodesicOptions::rim_width
     int iterations = 0;
     int evaluations = 0;
     double total_energy = 0.0;

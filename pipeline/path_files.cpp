@@ -90,6 +90,7 @@ ordered_json to_json(const StoredGeodesic& g) {
     for (const LevelReport& l : g.levels) {
         levels.push_back({{"level", l.level},
                           {"time_steps", l.time_steps},
+                          {"rim_width", number(l.rim_width)},
                           {"iterations", l.iterations},
                           {"evaluations", l.evaluations},
                           {"total_energy", number(l.total_energy)},

@@ -71,6 +71,7 @@ std::string details_of(const StoredGeodesic& g) {
     for (const LevelReport& l : g.levels) {
         levels.push_back({{"level", l.level},
                           {"time_steps", l.time_steps},
+                          {"rim_width", number_to_json(l.rim_width)},
                           {"iterations", l.iterations},
                           {"evaluations", l.evaluations},
                           {"total_energy", number_to_json(l.total_energy)},
@@ -100,6 +101,7 @@ void read_details(const std::string& text, StoredGeodesic& g) {
         LevelReport level;
         level.level = l.at("level");
         level.time_steps = l.at("time_steps");
+        if (l.contains("rim_width")) level.rim_width = number_from_json(l.at("rim_width"));  // not in older studies
         level.iterations = l.at("iterations");
         level.evaluations = l.at("evaluations");
         level.total_energy = number_from_json(l.at("total_energy"));

@@ -11,15 +11,31 @@ HWY_BEFORE_NAMESPACE();
 namespace morphodesic::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// (b - A x) at nodes i, i + 1, ..., one vector per component.
 template <int Dim, class D>
-HWY_INLINE hn::Vec<D> neighbour_sum(D d, const Stencil<Dim>& a, const float* b, const float* x, std::ptrdiff_t i) {
-    auto sum = hn::LoadU(d, b + i);
+HWY_INLINE void residual_at(D d, const Stencil<Dim>& a, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
+                            std::ptrdiff_t i, hn::Vec<D> (&out)[Dim]) {
+    hn::Vec<D> here[Dim];
+    const auto diagonal = hn::LoadU(d, a.diagonal + i);
+    for (int c = 0; c < Dim; ++c) {
+        here[c] = hn::LoadU(d, x[c] + i);
+        out[c] = hn::NegMulAdd(diagonal, here[c], hn::LoadU(d, b[c] + i));
+    }
     for (int axis = 0; axis < Dim; ++axis) {
         const std::ptrdiff_t s = a.stride[axis];
-        sum = hn::MulAdd(hn::LoadU(d, a.edge[axis] + i), hn::LoadU(d, x + i + s), sum);
-        sum = hn::MulAdd(hn::LoadU(d, a.edge[axis] + i - s), hn::LoadU(d, x + i - s), sum);
+        const auto up = hn::LoadU(d, a.edge[axis] + i), down = hn::LoadU(d, a.edge[axis] + i - s);
+        for (int c = 0; c < Dim; ++c) {
+            out[c] = hn::MulAdd(up, hn::LoadU(d, x[c] + i + s), out[c]);
+            out[c] = hn::MulAdd(down, hn::LoadU(d, x[c] + i - s), out[c]);
+        }
     }
-    return sum;
+    for (int r = 0; r < Dim; ++r) {
+        for (int c = r; c < Dim; ++c) {
+            const auto m = hn::LoadU(d, a.mass[symmetric_entry<Dim>(r, c)] + i);
+            out[r] = hn::NegMulAdd(m, here[c], out[r]);
+            if (c != r) out[c] = hn::NegMulAdd(m, here[r], out[c]);
+        }
+    }
 }
 
 /// Runs body(tag, i) over the range, full vectors first, then single entries.
@@ -35,33 +51,45 @@ HWY_INLINE void for_range(std::size_t count, const Body& body) {
 }
 
 template <int Dim>
-void JacobiSweep(std::size_t count, const Stencil<Dim>& a, float omega, const float* b, const float* x, float* out) {
+void JacobiSweep(std::size_t count, const Stencil<Dim>& a, float omega, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
+                 const VectorOut<Dim>& out) {
     for_range(count, [&](auto d, std::ptrdiff_t i) HWY_ATTR {
-        const auto sum = neighbour_sum<Dim>(d, a, b, x, i);
-        const auto here = hn::LoadU(d, x + i);
-        const auto target = hn::Mul(hn::LoadU(d, a.inverse_diagonal + i), sum);
-        hn::StoreU(hn::MulAdd(hn::Set(d, omega), hn::Sub(target, here), here), d, out + i);
+        hn::Vec<decltype(d)> r[Dim];
+        residual_at<Dim>(d, a, b, x, i, r);
+        for (int c = 0; c < Dim; ++c) {
+            auto sum = hn::Mul(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, 0)] + i), r[0]);
+            for (int k = 1; k < Dim; ++k) {
+                sum = hn::MulAdd(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, k)] + i), r[k], sum);
+            }
+            hn::StoreU(hn::MulAdd(hn::Set(d, omega), sum, hn::LoadU(d, x[c] + i)), d, out[c] + i);
+        }
     });
 }
 
 template <int Dim>
-void Residual(std::size_t count, const Stencil<Dim>& a, const float* b, const float* x, float* out) {
+void Residual(std::size_t count, const Stencil<Dim>& a, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
+              const VectorOut<Dim>& out) {
     for_range(count, [&](auto d, std::ptrdiff_t i) HWY_ATTR {
-        const auto sum = neighbour_sum<Dim>(d, a, b, x, i);
-        hn::StoreU(hn::NegMulAdd(hn::LoadU(d, a.diagonal + i), hn::LoadU(d, x + i), sum), d, out + i);
+        hn::Vec<decltype(d)> r[Dim];
+        residual_at<Dim>(d, a, b, x, i, r);
+        for (int c = 0; c < Dim; ++c) hn::StoreU(r[c], d, out[c] + i);
     });
 }
 
-void JacobiSweep2(std::size_t n, const Stencil<2>& a, float w, const float* b, const float* x, float* out) {
+void JacobiSweep2(std::size_t n, const Stencil<2>& a, float w, const VectorIn<2>& b, const VectorIn<2>& x,
+                  const VectorOut<2>& out) {
     JacobiSweep<2>(n, a, w, b, x, out);
 }
-void JacobiSweep3(std::size_t n, const Stencil<3>& a, float w, const float* b, const float* x, float* out) {
+void JacobiSweep3(std::size_t n, const Stencil<3>& a, float w, const VectorIn<3>& b, const VectorIn<3>& x,
+                  const VectorOut<3>& out) {
     JacobiSweep<3>(n, a, w, b, x, out);
 }
-void Residual2(std::size_t n, const Stencil<2>& a, const float* b, const float* x, float* out) {
+void Residual2(std::size_t n, const Stencil<2>& a, const VectorIn<2>& b, const VectorIn<2>& x,
+               const VectorOut<2>& out) {
     Residual<2>(n, a, b, x, out);
 }
-void Residual3(std::size_t n, const Stencil<3>& a, const float* b, const float* x, float* out) {
+void Residual3(std::size_t n, const Stencil<3>& a, const VectorIn<3>& b, const VectorIn<3>& x,
+               const VectorOut<3>& out) {
     Residual<3>(n, a, b, x, out);
 }
 
@@ -77,19 +105,23 @@ HWY_EXPORT(Residual2);
 HWY_EXPORT(Residual3);
 
 template <>
-void jacobi_sweep<2>(std::size_t n, const Stencil<2>& a, float omega, const float* b, const float* x, float* out) {
+void jacobi_sweep<2>(std::size_t n, const Stencil<2>& a, float omega, const VectorIn<2>& b, const VectorIn<2>& x,
+                     const VectorOut<2>& out) {
     HWY_DYNAMIC_DISPATCH(JacobiSweep2)(n, a, omega, b, x, out);
 }
 template <>
-void jacobi_sweep<3>(std::size_t n, const Stencil<3>& a, float omega, const float* b, const float* x, float* out) {
+void jacobi_sweep<3>(std::size_t n, const Stencil<3>& a, float omega, const VectorIn<3>& b, const VectorIn<3>& x,
+                     const VectorOut<3>& out) {
     HWY_DYNAMIC_DISPATCH(JacobiSweep3)(n, a, omega, b, x, out);
 }
 template <>
-void residual<2>(std::size_t n, const Stencil<2>& a, const float* b, const float* x, float* out) {
+void residual<2>(std::size_t n, const Stencil<2>& a, const VectorIn<2>& b, const VectorIn<2>& x,
+                 const VectorOut<2>& out) {
     HWY_DYNAMIC_DISPATCH(Residual2)(n, a, b, x, out);
 }
 template <>
-void residual<3>(std::size_t n, const Stencil<3>& a, const float* b, const float* x, float* out) {
+void residual<3>(std::size_t n, const Stencil<3>& a, const VectorIn<3>& b, const VectorIn<3>& x,
+                 const VectorOut<3>& out) {
     HWY_DYNAMIC_DISPATCH(Residual3)(n, a, b, x, out);
 }
 

@@ -1,27 +1,48 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace morphodesic::kernels {
 
-/// Symmetric (2 Dim + 1)-point stencil on the nodes of a grid, in single precision, applied to `count` nodes in storage
-/// order. Edge a of node i joins i and i + stride[a]; edges that would leave the grid have weight 0, and the inverse
-/// diagonal is 0 on the boundary (Dirichlet), so one flat loop serves all nodes. Fields that are read at neighbours
-/// must be readable stride[Dim - 1] entries beyond both ends.
+/// Entries of a symmetric Dim x Dim matrix, row by row from the diagonal on: xx, xy, yy; xx, xy, xz, yy, yz, zz.
+template <int Dim>
+inline constexpr int symmetric_entries = Dim*(Dim + 1) / 2;
+
+/// Place of entry (i, j) in that order.
+template <int Dim>
+constexpr int symmetric_entry(int i, int j) {
+    const int low = i < j ? i : j, high = i < j ? j : i;
+    return low * Dim - low * (low - 1) / 2 + high - low;
+}
+
+/// Operator on vector fields (v_a at node i) on a grid of n nodes:
+///   (A v)_a = diagonal v_a - sum over axes (edge[i] v_a[i + stride] + edge[i - stride] v_a[i - stride])
+///             + sum_b mass_ab v_b,
+/// the (2 Dim + 1)-point stencil for each component, coupled by a symmetric matrix at each node. All arrays are in
+/// single precision; edges and fields are padded so that i - stride and i + stride can be read for every node i.
 template <int Dim>
 struct Stencil {
-    const float* edge[Dim];         ///< weight of the edge to the next node on each axis, >= 0
-    const float* diagonal;          ///< sum of the edges at a node plus the mass term
-    const float* inverse_diagonal;  ///< 1 / diagonal inside, 0 on the boundary
+    const float* edge[Dim];
     std::ptrdiff_t stride[Dim];
+    const float* diagonal;                               ///< sum of the edges [n]
+    const float* mass[symmetric_entries<Dim>];           ///< [n] each
+    const float* block_inverse[symmetric_entries<Dim>];  ///< (diagonal I + mass)^-1 [n] each; 0 on the boundary
 };
 
-/// out = x + omega D^-1 (b - A x): one damped Jacobi sweep. out must not alias x.
 template <int Dim>
-void jacobi_sweep(std::size_t count, const Stencil<Dim>& a, float omega, const float* b, const float* x, float* out);
+using VectorIn = std::array<const float*, Dim>;
+template <int Dim>
+using VectorOut = std::array<float*, Dim>;
 
-/// out = b - A x.
+/// One sweep of damped block Jacobi: out = x + omega block_inverse (b - A x), for n nodes.
 template <int Dim>
-void residual(std::size_t count, const Stencil<Dim>& a, const float* b, const float* x, float* out);
+void jacobi_sweep(std::size_t n, const Stencil<Dim>& a, float omega, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
+                  const VectorOut<Dim>& out);
+
+/// out = b - A x, for n nodes.
+template <int Dim>
+void residual(std::size_t n, const Stencil<Dim>& a, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
+              const VectorOut<Dim>& out);
 
 }  // namespace morphodesic::kernels

@@ -234,7 +234,7 @@ std::vector<AlignmentCandidate<Dim>> align(const LevelSet<Dim>& a, const LevelSe
         kept.push_back(c);
         if (static_cast<int>(kept.size()) == count) break;
     }
-    for (auto& c : kept) c.mismatch = fine.refine(c.motion, rotate, 20);
+    for (auto& c : kept) c.mismatch = fine.refine(c.motion, rotate, 10);
     std::stable_sort(kept.begin(), kept.end(), better);
     std::vector<AlignmentCandidate<Dim>> result;
     for (const auto& c : kept) result.push_back({c.motion.as_rigid(), c.mismatch});

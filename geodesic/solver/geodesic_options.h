@@ -21,7 +21,7 @@ struct GeodesicOptions {
     double tolerance = 3e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
-    int starts = 3;  ///< coarse starts (alignments, schedules) of which the best is refined, >= 1
+    int starts = 4;                          ///< alignments from which the search starts, >= 1
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
@@ -39,7 +39,7 @@ struct GeodesicOptions {
         visit("tolerance", self.tolerance, "stop when five iterations lower the energy by less than this share");
         visit("max-iterations", self.max_iterations, "limit on the iterations per level");
         visit("align", self.align, "motion removed before the solve: rigid, translation or none");
-        visit("starts", self.starts, "coarse starts of which the best is refined");
+        visit("starts", self.starts, "alignments from which the search for the shortest path starts");
     }
     /// Every violated constraint, in words; empty if the options are usable.
     [[nodiscard]] std::vector<std::string> problems() const;

@@ -1,5 +1,7 @@
 #include "geodesic/solver/multigrid.h"
 
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -43,8 +45,18 @@ kernels::Stencil<Dim> VCycle<Dim>::Level::stencil() const {
         s.stride[a] = stride;
     }
     s.diagonal = diagonal.data();
-    s.inverse_diagonal = inverse_diagonal.data();
+    for (std::size_t e = 0; e < mass.size(); ++e) {
+        s.mass[e] = mass[e].data();
+        s.block_inverse[e] = block_inverse[e].data();
+    }
     return s;
+}
+
+template <int Dim>
+kernels::VectorOut<Dim> VCycle<Dim>::Level::inner(Vector& v) const {
+    kernels::VectorOut<Dim> p;
+    for (std::size_t a = 0; a < Dim; ++a) p[a] = v[a].data() + padding;
+    return p;
 }
 
 template <int Dim>
@@ -55,11 +67,13 @@ VCycle<Dim>::VCycle(DyadicGrid<Dim> grid) {
         const std::size_t nodes = level.grid.node_count();
         level.padding = nodes / static_cast<std::size_t>(level.grid.nodes_per_axis());
         level.weight.resize(nodes);
-        level.mass.resize(nodes);
         level.diagonal.resize(nodes);
-        level.inverse_diagonal.resize(nodes);
+        for (auto& m : level.mass) m.resize(nodes);
+        for (auto& m : level.block_inverse) m.resize(nodes);
         for (auto& e : level.edge) e.assign(nodes + 2 * level.padding, 0.0F);
-        for (auto* f : {&level.x, &level.y, &level.b}) f->assign(nodes + 2 * level.padding, 0.0F);
+        for (auto* v : {&level.x, &level.y, &level.b}) {
+            for (auto& f : *v) f.assign(nodes + 2 * level.padding, 0.0F);
+        }
         levels_.push_back(std::move(level));
     }
 }
@@ -89,27 +103,49 @@ void VCycle<Dim>::build(Level& level) {
         for (int y = 0; y < n; ++y) {
             for (int x = 0; x < n; ++x, ++i) {
                 const bool inside = x > 0 && y > 0 && x < n - 1 && y < n - 1 && (Dim == 2 || (z > 0 && z < n - 1));
-                float sum = level.mass[i];
+                float sum = 0.0F;
                 for (int a = 0; a < Dim; ++a) {
                     const float* e = level.edge[static_cast<std::size_t>(a)].data() + level.padding + i;
                     sum += e[0] + *(e - stride[a]);
                 }
                 level.diagonal[i] = sum;
-                level.inverse_diagonal[i] = inside ? 1.0F / sum : 0.0F;
+                Eigen::Matrix<float, Dim, Dim> block, inverse;
+                for (int r = 0; r < Dim; ++r) {
+                    for (int c = 0; c < Dim; ++c) {
+                        block(r, c) = level.mass[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, c))][i] +
+                                      (r == c ? sum : 0.0F);
+                    }
+                }
+                if (inside) {
+                    inverse = block.inverse();
+                } else {
+                    inverse.setZero();
+                }
+                for (int r = 0; r < Dim; ++r) {
+                    for (int c = r; c < Dim; ++c) {
+                        level.block_inverse[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, c))][i] =
+                            inverse(r, c);
+                    }
+                }
             }
         }
     }
 }
 
 template <int Dim>
-void VCycle<Dim>::set_operator(std::span<const float> weight, std::span<const float> mass) {
-    assert(weight.size() == levels_[0].grid.node_count() && mass.size() == weight.size());
+void VCycle<Dim>::set_operator(std::span<const float> weight, const Mass& mass) {
+    assert(weight.size() == levels_[0].grid.node_count());
     std::copy(weight.begin(), weight.end(), levels_[0].weight.begin());
-    std::copy(mass.begin(), mass.end(), levels_[0].mass.begin());
+    for (std::size_t e = 0; e < mass.size(); ++e) {
+        assert(mass[e].size() == weight.size());
+        std::copy(mass[e].begin(), mass[e].end(), levels_[0].mass[e].begin());
+    }
     build(levels_[0]);
     for (std::size_t l = 1; l < levels_.size(); ++l) {
         average_to(levels_[l].grid, levels_[l - 1].weight.data(), levels_[l].weight.data());
-        restrict_residual<Dim, float>(levels_[l].grid, levels_[l - 1].mass.data(), levels_[l].mass.data());
+        for (std::size_t e = 0; e < mass.size(); ++e) {
+            restrict_residual<Dim, float>(levels_[l].grid, levels_[l - 1].mass[e].data(), levels_[l].mass[e].data());
+        }
         build(levels_[l]);
     }
 }
@@ -119,35 +155,44 @@ void VCycle<Dim>::cycle(std::size_t depth) {
     Level& level = levels_[depth];
     const std::size_t nodes = level.grid.node_count(), pad = level.padding;
     const auto stencil = level.stencil();
-    const float* b = level.b.data() + pad;
-    // The first sweep starts from zero.
-    for (std::size_t i = 0; i < nodes; ++i) level.x[pad + i] = omega * level.inverse_diagonal[i] * b[i];
-    const bool coarsest = depth + 1 == levels_.size();
+    const auto reading = [&](Vector& v) {
+        kernels::VectorIn<Dim> p;
+        for (std::size_t a = 0; a < Dim; ++a) p[a] = v[a].data() + pad;
+        return p;
+    };
     const auto smooth = [&](int count) {
         for (int s = 0; s < count; ++s) {
-            kernels::jacobi_sweep<Dim>(nodes, stencil, omega, b, level.x.data() + pad, level.y.data() + pad);
+            kernels::jacobi_sweep<Dim>(nodes, stencil, omega, reading(level.b), reading(level.x), level.inner(level.y));
             std::swap(level.x, level.y);
         }
     };
-    smooth(coarsest ? coarsest_sweeps - 1 : sweeps - 1);
+    for (auto& x : level.x) std::fill(x.begin(), x.end(), 0.0F);
+    const bool coarsest = depth + 1 == levels_.size();
+    smooth(coarsest ? coarsest_sweeps : sweeps);
     if (coarsest) return;
     Level& next = levels_[depth + 1];
-    kernels::residual<Dim>(nodes, stencil, b, level.x.data() + pad, level.y.data() + pad);
-    restrict_residual<Dim, float>(next.grid, level.y.data() + pad, next.b.data() + next.padding);
+    kernels::residual<Dim>(nodes, stencil, reading(level.b), reading(level.x), level.inner(level.y));
+    for (std::size_t a = 0; a < Dim; ++a) {
+        restrict_residual<Dim, float>(next.grid, level.y[a].data() + pad, next.b[a].data() + next.padding);
+    }
     cycle(depth + 1);
-    add_prolonged<Dim, float>(next.grid, next.x.data() + next.padding, level.x.data() + pad);
+    for (std::size_t a = 0; a < Dim; ++a) {
+        add_prolonged<Dim, float>(next.grid, next.x[a].data() + next.padding, level.x[a].data() + pad);
+    }
     smooth(sweeps);
 }
 
 template <int Dim>
-void VCycle<Dim>::apply(std::span<const double> right_side, std::span<double> solution) {
+void VCycle<Dim>::apply(const std::array<const double*, Dim>& right_side, const std::array<double*, Dim>& solution) {
     Level& fine = levels_[0];
-    assert(right_side.size() == fine.grid.node_count() && solution.size() == right_side.size());
-    for (std::size_t i = 0; i < right_side.size(); ++i) {
-        fine.b[fine.padding + i] = static_cast<float>(right_side[i]);
+    const std::size_t nodes = fine.grid.node_count();
+    for (std::size_t a = 0; a < Dim; ++a) {
+        for (std::size_t i = 0; i < nodes; ++i) fine.b[a][fine.padding + i] = static_cast<float>(right_side[a][i]);
     }
     cycle(0);
-    for (std::size_t i = 0; i < solution.size(); ++i) solution[i] = fine.x[fine.padding + i];
+    for (std::size_t a = 0; a < Dim; ++a) {
+        for (std::size_t i = 0; i < nodes; ++i) solution[a][i] = fine.x[a][fine.padding + i];
+    }
 }
 
 template class VCycle<2>;

@@ -9,30 +9,37 @@
 
 namespace morphodesic {
 
-/// Symmetric positive definite approximation of (-div(weight grad) + mass)^-1 with zero boundary values: one multigrid
-/// V-cycle on the (2 Dim + 1)-point stencil, damped Jacobi as smoother, in single precision. Coarse operators are built
-/// from averaged weights and summed masses. It is a preconditioner: accuracy comes from the outer iteration.
+/// Symmetric positive definite approximation of (-div(weight grad) + mass)^-1 on vector fields with zero boundary
+/// values, mass a symmetric matrix at each node: one multigrid V-cycle on the (2 Dim + 1)-point stencil, damped block
+/// Jacobi as smoother, in single precision. Coarse operators are built from averaged weights and summed masses. It is a
+/// preconditioner: accuracy comes from the outer iteration.
 template <int Dim>
 class VCycle {
 public:
+    /// Mass matrices at the nodes: symmetric_entries<Dim> arrays [N], already multiplied by the node's volume.
+    using Mass = std::array<std::vector<float>, kernels::symmetric_entries<Dim>>;
+
     explicit VCycle(DyadicGrid<Dim> grid);
 
     /// @param weight  [N] > 0 at the nodes
-    /// @param mass    [N] >= 0 at the nodes, already multiplied by the node's volume
-    void set_operator(std::span<const float> weight, std::span<const float> mass);
+    /// @param mass    positive semidefinite at each node
+    void set_operator(std::span<const float> weight, const Mass& mass);
 
-    /// solution = V-cycle applied to `right_side`, both [N]; boundary entries of the solution are 0.
-    void apply(std::span<const double> right_side, std::span<double> solution);
+    /// solution = V-cycle applied to `right_side`, one array [N] per component; boundary entries of the solution are 0.
+    void apply(const std::array<const double*, Dim>& right_side, const std::array<double*, Dim>& solution);
 
 private:
+    using Vector = std::array<std::vector<float>, Dim>;
     struct Level {
         DyadicGrid<Dim> grid;
         std::size_t padding;  // entries before and after each padded field
-        std::vector<float> weight, mass;
+        std::vector<float> weight;
+        Mass mass, block_inverse;
         std::array<std::vector<float>, Dim> edge;  // padded
-        std::vector<float> diagonal, inverse_diagonal;
-        std::vector<float> x, y, b;  // padded
+        std::vector<float> diagonal;
+        Vector x, y, b;  // padded
         [[nodiscard]] kernels::Stencil<Dim> stencil() const;
+        [[nodiscard]] kernels::VectorOut<Dim> inner(Vector& v) const;
     };
     void build(Level& level);
     void cycle(std::size_t depth);

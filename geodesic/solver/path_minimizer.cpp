@@ -19,7 +19,7 @@ namespace {
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
 constexpr int patience = 4;  // shorter steps tried before the history is given up
-constexpr int refresh = 6;   // iterations between two updates of the preconditioner
+constexpr int refresh = 10;  // iterations between two updates of the preconditioner
 constexpr int window = 5;    // iterations over which the decrease is measured
 
 struct Pair {

@@ -9,28 +9,88 @@
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/q1_element.h"
 
 namespace morphodesic {
 
 namespace {
-constexpr double tail_floor = 1e-3;  // share of max delta_eps^2 in the scaling of u
+constexpr double tail_floor = 1e-2;  // share of max delta_eps^2 in the scaling of u
 // A residual of the mismatch moves with phi_k, u_{k-1} and u_k at once; treated one by one they need about twice the
 // stiffness for full steps to be accepted (measured: 1 costs twice the line searches, 3 more iterations).
 constexpr double coupling = 2.0;
 
-/// |grad u|^2 at a node by one-sided differences of the larger slope per axis, at least 1.
+/// Adds the Gauss-Newton matrix of the mismatch in the deformation, lumped at the nodes: the sum over the quadrature
+/// points of weight N_i (delta_eps(u))^2 grad u grad u^T, u the shape of step k seen at the deformed point.
 template <int Dim>
-double squared_slope(const DyadicGrid<Dim>& grid, const double* u, std::size_t i) {
-    const auto at = grid.node(i);
-    double square = 0.0;
-    std::size_t stride = 1;
-    for (const int c : at) {
-        const double up = c + 1 < grid.nodes_per_axis() ? u[i + stride] - u[i] : 0.0;
-        const double down = c > 0 ? u[i] - u[i - stride] : 0.0;
-        square += std::max(up * up, down * down);
-        stride *= static_cast<std::size_t>(grid.nodes_per_axis());
+void add_mismatch_mass(const DyadicGrid<Dim>& grid, const double* from, const double* to,
+                       const DisplacementView<Dim>& w, double eps, double weight, typename VCycle<Dim>::Mass& mass) {
+    constexpr int corners = 1 << Dim;
+    const auto offsets = q1::corner_offsets(grid);
+    const double per_cell = grid.cells_per_axis(), far = 6.0 * eps;
+    double shape[corners][corners];
+    for (int q = 0; q < corners; ++q) {
+        Point<Dim> x{};
+        for (int a = 0; a < Dim; ++a) x[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
+        for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, x);
     }
-    return std::max(1.0, square * grid.cells_per_axis() * grid.cells_per_axis());
+    typename DyadicGrid<Dim>::Index cell{};
+    for (std::size_t number = 0; number < grid.cell_count(); ++number) {
+        const std::size_t node = grid.index(cell);
+        const auto low = cell;
+        for (int a = 0; a < Dim && ++cell[static_cast<std::size_t>(a)] == grid.cells_per_axis(); ++a) {
+            cell[static_cast<std::size_t>(a)] = 0;
+        }
+        double u_from[corners];
+        double displacement[Dim][corners];
+        for (int c = 0; c < corners; ++c) {
+            const std::size_t i = node + offsets[static_cast<std::size_t>(c)];
+            u_from[c] = from[i];
+            for (int a = 0; a < Dim; ++a) displacement[a][c] = w[static_cast<std::size_t>(a)][i];
+        }
+        // A cell whose middle is far from both contours has no part in it; displacements stretch a cell two times at
+        // most where that matters.
+        {
+            Point<Dim> y{};
+            double before = 0.0;
+            for (int a = 0; a < Dim; ++a) {
+                const auto at = static_cast<std::size_t>(a);
+                y[at] = (low[at] + 0.5) / per_cell;
+                for (int c = 0; c < corners; ++c) y[at] += displacement[a][c] / corners;
+            }
+            for (int c = 0; c < corners; ++c) before += u_from[c] / corners;
+            const double reach = far + 2.0 * grid.spacing();
+            if (std::abs(before) > reach && std::abs(q1::value(grid, to, y)) > reach) continue;
+        }
+        for (int q = 0; q < corners; ++q) {
+            Point<Dim> y{};
+            double before = 0.0;
+            for (int a = 0; a < Dim; ++a) {
+                const auto at = static_cast<std::size_t>(a);
+                y[at] = (low[at] + q1::gauss_coordinate(q, a)) / per_cell;
+                for (int c = 0; c < corners; ++c) y[at] += shape[q][c] * displacement[a][c];
+            }
+            for (int c = 0; c < corners; ++c) before += shape[q][c] * u_from[c];
+            const auto where = q1::locate(grid, y);
+            double after = 0.0, slope[Dim] = {};
+            for (int c = 0; c < corners; ++c) {
+                const double v = to[where.node + offsets[static_cast<std::size_t>(c)]];
+                after += q1::shape<Dim>(c, where.fraction) * v;
+                for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, where.fraction, a) * v * per_cell;
+            }
+            if (std::abs(after) > far && std::abs(before) > far) continue;
+            const double there = smooth_delta(after, eps), here = smooth_delta(before, eps);
+            const double size = weight * std::max(there * there, here * here);
+            for (int c = 0; c < corners; ++c) {
+                const std::size_t i = node + offsets[static_cast<std::size_t>(c)];
+                for (int r = 0; r < Dim; ++r) {
+                    for (int s = r; s < Dim; ++s) {
+                        mass[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][i] +=
+                            static_cast<float>(size * shape[q][c] * slope[r] * slope[s]);
+                    }
+                }
+            }
+        }
+    }
 }
 }  // namespace
 
@@ -56,7 +116,9 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                 displacement[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(index + 1, a);
             }
             const auto least = least_node_det<Dim>(layout_.grid, displacement);
-            std::vector<float> weight(layout_.nodes()), mass(layout_.nodes());
+            std::vector<float> weight(layout_.nodes());
+            typename VCycle<Dim>::Mass mass;
+            for (auto& m : mass) m.assign(layout_.nodes(), 0.0F);
             for (std::size_t i = 0; i < weight.size(); ++i) {
                 const double delta = smooth_delta(u[i], eps);
                 const double inside =
@@ -68,14 +130,14 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                     local += PathEnergy<Dim>::barrier_weight * 0.5 / (squeezed * squeezed);
                 }
                 weight[i] = static_cast<float>(stiffness * local);
-                mass[i] = static_cast<float>(coupling * 2.0 * energy.eta() * delta * delta * node_volume *
-                                             squared_slope(layout_.grid, u, i));
                 if (k > 0) {
                     const double curvature = coupling * 4.0 * energy.eta() * node_volume *
                                              (delta * delta + tail_floor * max_delta * max_delta);
                     inverse_u_[k - 1][i] = static_cast<float>(1.0 / curvature);
                 }
             }
+            add_mismatch_mass<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
+                                   coupling * 2.0 * energy.eta() * node_volume / (1 << Dim), mass);
             cycles_[k].set_operator(weight, mass);
         });
     });
@@ -86,11 +148,13 @@ void PathPreconditioner<Dim>::apply(std::span<const double> gradient, std::span<
     const std::size_t nodes = layout_.nodes();
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(1, layout_.time_steps + 1, [&](int k) {
+            std::array<const double*, Dim> right_side;
+            std::array<double*, Dim> solution;
             for (int a = 0; a < Dim; ++a) {
-                const std::size_t at = layout_.displacement(k, a);
-                cycles_[static_cast<std::size_t>(k - 1)].apply(gradient.subspan(at, nodes),
-                                                               direction.subspan(at, nodes));
+                right_side[static_cast<std::size_t>(a)] = gradient.data() + layout_.displacement(k, a);
+                solution[static_cast<std::size_t>(a)] = direction.data() + layout_.displacement(k, a);
             }
+            cycles_[static_cast<std::size_t>(k - 1)].apply(right_side, solution);
             if (k == layout_.time_steps) return;
             const std::size_t at = layout_.level_set(k);
             const auto& inverse = inverse_u_[static_cast<std::size_t>(k - 1)];

@@ -9,9 +9,10 @@
 namespace morphodesic {
 
 /// Symmetric positive definite approximation of the inverse Hessian of (14), matched to the energy:
-///   phi_k, each component:  one V-cycle of -2 c K div(w_k grad) + 2 eta delta_eps(u_{k-1})^2, c = mu + lambda/4,
-///                           w_k = (1 - delta) H_eps(u_{k-1}) + delta;
-///   u_k:                    division by 4 eta h^d (delta_eps(u_k)^2 + 1e-3 max delta_eps^2).
+///   phi_k:  one V-cycle of -2 c K div(w_k grad) + 2 eta delta^2 n n^T, c = mu + lambda/4,
+///           w_k = (1 - delta) H_eps(u_{k-1}) + delta; the second term is the Gauss-Newton matrix of the mismatch,
+///           n = grad u_k at the deformed point: stiff across the contour, free along it;
+///   u_k:    division by 4 eta h^d (delta_eps(u_k)^2 + 1e-2 max delta_eps^2).
 template <int Dim>
 class PathPreconditioner {
 public:

@@ -200,34 +200,99 @@ TYPED_TEST(Grid, WildDeformationIsRepairedToo) {
     EXPECT_GE(det_lower_bound<dim>(d.grid, d.view()), 0.05);
 }
 
+template <int Dim>
+using Components = std::array<std::vector<double>, Dim>;
+
+template <int Dim>
+Components<Dim> applied(VCycle<Dim>& cycle, const Components<Dim>& right_side) {
+    Components<Dim> solution = right_side;
+    std::array<const double*, Dim> in;
+    std::array<double*, Dim> out;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        in[a] = right_side[a].data();
+        out[a] = solution[a].data();
+    }
+    cycle.apply(in, out);
+    return solution;
+}
+
+/// mass = size n n^T in the band |u| < width, n = grad u of a ball around the middle.
+template <int Dim>
+typename VCycle<Dim>::Mass stiff_across(const LevelSet<Dim>& u, double width, float size) {
+    typename VCycle<Dim>::Mass mass;
+    for (auto& m : mass) m.assign(u.values.size(), 0.0F);
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (std::abs(u.values[i]) >= width) continue;
+        auto n = u.grid.position(u.grid.node(i));
+        double norm = 0.0;
+        for (double& x : n) norm += (x - 0.5) * (x - 0.5);
+        for (double& x : n) x = (x - 0.5) / std::sqrt(norm);
+        for (int r = 0; r < Dim; ++r) {
+            for (int c = r; c < Dim; ++c) {
+                mass[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, c))][i] =
+                    size * static_cast<float>(n[static_cast<std::size_t>(r)] * n[static_cast<std::size_t>(c)]);
+            }
+        }
+    }
+    return mass;
+}
+
 TYPED_TEST(Grid, VCycleIsSymmetricPositiveDefinite) {
     constexpr int dim = TypeParam::value;
     const DyadicGrid<dim> grid(dim == 2 ? 5 : 4);
-    std::vector<float> weight(grid.node_count()), mass(grid.node_count());
+    std::vector<float> weight(grid.node_count());
     const auto u = tests::ball<dim>(grid.level(), 0.25);
-    for (std::size_t i = 0; i < weight.size(); ++i) {
-        weight[i] = u.values[i] > 0 ? 1.0F : 1e-4F;
-        mass[i] = std::abs(u.values[i]) < 0.05 ? 1e-3F : 0.0F;
-    }
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = u.values[i] > 0 ? 1.0F : 1e-4F;
     VCycle<dim> cycle(grid);
-    cycle.set_operator(weight, mass);
-    auto a = noise(grid.node_count(), 1), b = noise(grid.node_count(), 2);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        for (const int c : grid.node(i)) {
-            if (c == 0 || c == grid.cells_per_axis()) a[i] = b[i] = 0.0;
+    cycle.set_operator(weight, stiff_across<dim>(u, 0.05, 1e-3F));
+    Components<dim> a, b;
+    for (std::size_t c = 0; c < dim; ++c) {
+        a[c] = noise(grid.node_count(), static_cast<unsigned>(1 + 2 * c));
+        b[c] = noise(grid.node_count(), static_cast<unsigned>(2 + 2 * c));
+        for (std::size_t i = 0; i < a[c].size(); ++i) {
+            for (const int at : grid.node(i)) {
+                if (at == 0 || at == grid.cells_per_axis()) a[c][i] = b[c][i] = 0.0;
+            }
         }
     }
-    std::vector<double> ma(a.size()), mb(a.size());
-    cycle.apply(a, ma);
-    cycle.apply(b, mb);
+    const auto ma = applied<dim>(cycle, a), mb = applied<dim>(cycle, b);
     double ab = 0.0, ba = 0.0, aa = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        ab += a[i] * mb[i];
-        ba += b[i] * ma[i];
-        aa += a[i] * ma[i];
+    for (std::size_t c = 0; c < dim; ++c) {
+        for (std::size_t i = 0; i < a[c].size(); ++i) {
+            ab += a[c][i] * mb[c][i];
+            ba += b[c][i] * ma[c][i];
+            aa += a[c][i] * ma[c][i];
+        }
     }
     EXPECT_GT(aa, 0.0);
     EXPECT_NEAR(ab, ba, 1e-4 * aa);
+}
+
+TYPED_TEST(Grid, VCycleIsStiffAcrossTheContourOnly) {
+    // One normal everywhere, along axis 0: a load along axis 1 is answered as if there were no mass, one along axis 0
+    // by next to nothing.
+    constexpr int dim = TypeParam::value;
+    const DyadicGrid<dim> grid(4);
+    const std::vector<float> weight(grid.node_count(), 1.0F);
+    typename VCycle<dim>::Mass none, across;
+    for (auto* mass : {&none, &across}) {
+        for (auto& m : *mass) m.assign(grid.node_count(), 0.0F);
+    }
+    across[0].assign(grid.node_count(), 1e3F);
+    Components<dim> load;
+    for (auto& l : load) l = noise(grid.node_count(), 1);
+    VCycle<dim> free(grid), stiff(grid);
+    free.set_operator(weight, none);
+    stiff.set_operator(weight, across);
+    const auto moved_free = applied<dim>(free, load), moved_stiff = applied<dim>(stiff, load);
+    double first_free = 0.0, first_stiff = 0.0;
+    for (std::size_t i = 0; i < grid.node_count(); ++i) {
+        ASSERT_NEAR(moved_free[1][i], moved_stiff[1][i], 1e-4 * (1.0 + std::abs(moved_free[1][i])));
+        first_free += std::abs(moved_free[0][i]);
+        first_stiff += std::abs(moved_stiff[0][i]);
+    }
+    EXPECT_LT(first_stiff, 0.05 * first_free);
+    EXPECT_GT(first_stiff, 0.0);
 }
 
 TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
@@ -235,7 +300,9 @@ TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
     constexpr int dim = TypeParam::value;
     for (const int level : dim == 2 ? std::vector<int>{4, 5, 6, 7} : std::vector<int>{3, 4, 5}) {
         const DyadicGrid<dim> grid(level);
-        std::vector<float> weight(grid.node_count(), 1.0F), mass(grid.node_count(), 0.0F);
+        const std::vector<float> weight(grid.node_count(), 1.0F);
+        typename VCycle<dim>::Mass mass;
+        for (auto& m : mass) m.assign(grid.node_count(), 0.0F);
         VCycle<dim> cycle(grid);
         cycle.set_operator(weight, mass);
         const double scale = std::pow(grid.spacing(), dim - 2);
@@ -251,17 +318,25 @@ TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
             }
             return y;
         };
-        const auto b = apply(sampled<dim>(grid, [](const Point<dim>& x) { return tests::smooth_wave<dim>(x, 0, 2); }));
-        std::vector<double> x(b.size(), 0.0), correction(b.size());
+        Components<dim> b, x, r;
+        for (std::size_t c = 0; c < dim; ++c) {
+            b[c] = apply(sampled<dim>(
+                grid, [&](const Point<dim>& at) { return tests::smooth_wave<dim>(at, static_cast<int>(c), 2); }));
+            x[c].assign(b[c].size(), 0.0);
+        }
         double before = 0.0, after = 0.0;
         for (int k = 0; k < 4; ++k) {
-            const auto ax = apply(x);
-            std::vector<double> r(b.size());
             double norm = 0.0;
-            for (std::size_t i = 0; i < r.size(); ++i) norm += (r[i] = b[i] - ax[i]) * r[i];
+            for (std::size_t c = 0; c < dim; ++c) {
+                const auto ax = apply(x[c]);
+                r[c].resize(ax.size());
+                for (std::size_t i = 0; i < ax.size(); ++i) norm += (r[c][i] = b[c][i] - ax[i]) * r[c][i];
+            }
             (k == 1 ? before : after) = std::sqrt(norm);
-            cycle.apply(r, correction);
-            for (std::size_t i = 0; i < x.size(); ++i) x[i] += correction[i];
+            const auto correction = applied<dim>(cycle, r);
+            for (std::size_t c = 0; c < dim; ++c) {
+                for (std::size_t i = 0; i < x[c].size(); ++i) x[c][i] += correction[c][i];
+            }
         }
         EXPECT_LT(after, 0.15 * before) << "level " << level;  // over two cycles
     }
