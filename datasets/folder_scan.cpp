@@ -95,6 +95,12 @@ private:
             (link ? linked_ : waiting_).push_back({entry.path(), folder.prefix + file_name + "/"});
             return;
         }
+        // Opening a pipe waits for whoever writes to it, a device may never end: neither is touched.
+        if (fs::exists(status) && !fs::is_regular_file(status)) {
+            if (shape_dimension(entry.path()) == 0) return;
+            problem(entry.path(), "this is a pipe, a socket or a device, not a file", "copy what it holds into a file");
+            return;
+        }
         if (file_name.ends_with(mask_ending)) {
             masks_.push_back({folder.prefix + file_name.substr(0, file_name.size() - 9), entry.path()});
             return;
@@ -193,6 +199,10 @@ std::vector<std::string> ScanOptions::problems() const {
 }
 
 std::map<std::string, std::string> read_labels(const fs::path& file) {
+    std::error_code error;
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error)) {
+        throw ReadError(file, "this is not a file", "write a table with the two columns file,label");
+    }
     std::map<std::string, std::string> label_of;
     bool first = true;
     for (const CsvRow& row : read_csv(file)) {

@@ -42,6 +42,8 @@ int shape_dimension(const std::filesystem::path& file) {
     if (std::find(solid_endings.begin(), solid_endings.end(), ending) != solid_endings.end()) by_ending = 3;
     // A wrong ending among those of shapes, or none at all; every other ending says that the file is something else.
     if (by_ending == 0 && !ending.empty()) return 0;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return by_ending;  // opening a pipe would wait for its writer
     std::array<char, 16> head{};
     std::ifstream in(file, std::ios::binary);
     in.read(head.data(), head.size());
@@ -65,7 +67,7 @@ ShapeSource single_source(const std::filesystem::path& file) {
             "use an image (PNG, JPEG, BMP, TIFF, PNM, WebP, GIF) or a solid (PLY, OBJ, STL, OFF, PCD, XYZ, VDB)");
     }
     const std::filesystem::path mask = file.parent_path() / (file.stem().string() + ".mask.png");
-    if (std::filesystem::exists(mask, error)) source.mask_path = mask;
+    if (std::filesystem::is_regular_file(mask, error)) source.mask_path = mask;
     return source;
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "pipeline/digest.h"
+#include "pipeline/stop_signals.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -65,6 +66,22 @@ int choose_dimension(const fs::path& folder, const std::string& wanted, std::vec
     return dimension;
 }
 
+/// A file that is larger than anything that would be accepted is refused before all of it is read.
+void check_size(const CollectionEntry& entry, const datasets::ImportOptions& options) {
+    std::error_code error;
+    const auto bytes = static_cast<double>(fs::file_size(entry.source.path, error));
+    if (error) return;                           // reading it says what is wrong
+    constexpr double most_bytes_per_pixel = 32;  // four channels of doubles, not compressed
+    const bool image = entry.source.dimension == 2;
+    const double limit = 1e6 * (image ? most_bytes_per_pixel * options.max_megapixels + 1 : options.max_megabytes);
+    if (bytes <= limit) return;
+    char size[60];
+    std::snprintf(size, sizeof size, "the file has %.0f MB, more than the limit", bytes / 1e6);
+    throw datasets::ReadError(
+        entry.source.path, size,
+        image ? "use a smaller image or raise --max-megapixels" : "use a smaller file or raise --max-megabytes");
+}
+
 /// Digests of the files, and what the store knows of them.
 void look_at_file(CollectionEntry& entry, const StoredShape* known, const datasets::ImportOptions& options) {
     StoredShape& row = entry.row;
@@ -75,6 +92,7 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.dimension = entry.source.dimension;
     row.problem.clear();
     try {
+        check_size(entry, options);
         row.file_digest = datasets::file_digest(entry.source.path);
         const std::string reading = reading_digest(entry.source, row.file_digest, options);
         if (reading == row.reading) return;
@@ -165,6 +183,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     if (!collection.entries.empty())
         progress.message(std::to_string(collection.entries.size()) + " shapes in " + folder.string());
     tbb::parallel_for(std::size_t{0}, collection.entries.size(), [&](std::size_t i) {
+        if (StopSignals::caught() != 0) return;
         CollectionEntry& entry = collection.entries[i];
         const auto found = known.find(entry.source.name);
         look_at_file(entry, found == known.end() ? nullptr : &found->second, settings.import);
@@ -172,6 +191,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         if (!common || !entry.row.problem.empty() || entry.row.extent_radius > 0) return;
         with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import); });
     });
+    if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
     std::string warning;
     if (settings.normalize == "common") {
         collection.placement.scale =

@@ -41,7 +41,7 @@ private:
 std::string pairs_csv(const StudyData& data) {
     CsvText csv({"a", "b", "label_a", "label_b", "distance", "error", "extrapolated_length", "path_length",
                  "path_energy", "total_energy", "min_det", "termination", "problem", "path_from", "level", "steps",
-                 "seconds"});
+                 "seconds", "refined"});
     for (std::size_t i = 0; i < data.shapes.size(); ++i) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
             const StoredShape &a = data.shapes[i], &b = data.shapes[j];
@@ -58,9 +58,10 @@ std::string pairs_csv(const StudyData& data) {
                 const bool same = a.content_digest == b.content_digest;
                 csv.cell(pair ? pair->problem() : same ? "" : "not computed yet");
                 csv.cell(!pair ? "" : first_is_a ? a.name : b.name);
-                csv.cell(static_cast<long>(data.settings.geodesic.level));
-                csv.cell(static_cast<long>(data.settings.geodesic.time_steps));
+                csv.cell(static_cast<long>(data.geodesic_of(p).level));
+                csv.cell(static_cast<long>(data.geodesic_of(p).time_steps));
                 csv.cell(pair ? pair->seconds : std::nan(""));
+                csv.cell(data.refined(p) ? 1L : 0L);
                 csv.end_row();
             };
             row(data.pairs[p], data.first_is_a[p]);
@@ -88,6 +89,19 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
     std::ostringstream distances;
     analysis::write_distance_csv(distances, data.distances);
     folder.write("distances.csv", distances.str());
+    if (data.levels.size() > 1) {
+        analysis::DistanceMatrix refined = data.distances;
+        for (std::size_t i = 0; i < refined.size(); ++i) {
+            for (std::size_t j = i + 1; j < refined.size(); ++j) {
+                if (!data.refined(data.index(i, j))) refined.set(i, j, analysis::missing);
+            }
+        }
+        std::ostringstream text;
+        analysis::write_distance_csv(text, refined);
+        folder.write("distances_refined.csv", text.str());
+    } else {
+        folder.remove("distances_refined.csv");  // of an earlier run with --neighbors
+    }
     std::ostringstream npy;
     analysis::write_npy(npy, analysis::NpyArray{data.distances.size(), data.distances.size(), data.distances.dense()});
     folder.write("distances.npy", npy.str());

@@ -71,8 +71,7 @@ private:
             }
         }
         const auto count = static_cast<long>(missing.size());
-        progress_.begin_pairs(summary_.pairs_total, summary_.pairs_stored, count,
-                              std::min<long>(count, std::max(16, 8 * options_.threads)));
+        progress_.begin_pairs(summary_.pairs_total, summary_.pairs_stored, count, options_.pairs_in_flight);
         return missing;
     }
 
@@ -187,7 +186,7 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
                     ++summary.pairs_solved;
                     const bool good = geodesic->problem().empty();
                     if (!good) ++summary.pairs_failed;
-                    progress.pair_done(good);
+                    progress.pair_done(good, geodesic->seconds);
                 });
                 return flow::continue_msg();
             });

@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 namespace morphodesic::pipeline {
@@ -21,6 +23,49 @@ void write_to_stderr(const std::string& text) {
 }
 
 }  // namespace
+
+void TimeEstimate::begin(double now, long missing, int at_once) {
+    *this = TimeEstimate();
+    missing_ = missing;
+    at_once_ = std::max(at_once, 1);
+    marks_.push_back({now, 0.0});
+}
+
+void TimeEstimate::pair_done(double now, double seconds) {
+    ++done_;
+    sum_ += seconds;
+    squares_ += seconds * seconds;
+    constexpr double first_mark = 16;
+    const auto done = static_cast<double>(done_);
+    if (done >= std::max(first_mark, 2 * marks_.back().done)) marks_.push_back({now, done});
+}
+
+double TimeEstimate::seconds_left(double now) const {
+    if (done_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    const auto left = static_cast<double>(missing_ - done_);
+    if (left <= 0) return 0.0;
+    const auto done = static_cast<double>(done_);
+    // Besides the one that begins now; these are under way.
+    const double in_flight = std::min(static_cast<double>(at_once_), left) - 1;
+    std::size_t from = 0;
+    while (from + 1 < marks_.size() && marks_[from + 1].done <= done / 2) ++from;
+    const double since = done - marks_[from].done + (from == 0 ? in_flight / 4 : 0.0);
+    const double per_pair = (now - marks_[from].time) / since;
+    // The last pairs leave cores idle: one of them is longer than the mean, the more so the more they differ.
+    const double mean = sum_ / done;
+    const double longer = mean > 0 ? squares_ / done / (mean * mean) : 1.0;
+    const double tail = per_pair * in_flight * 0.5 * longer;
+    return per_pair * (left - in_flight / 2) + tail;
+}
+
+bool TimeEstimate::trustworthy() const {
+    constexpr long least = 12, per_core = 4;
+    constexpr double largest_error = 0.1, warm = 3.0;  // seconds: the first pairs also load libraries and shapes
+    if (done_ < std::max<long>(least, per_core * at_once_) || sum_ < warm * at_once_) return false;
+    const auto done = static_cast<double>(done_);
+    const double mean = sum_ / done, variance = std::max(0.0, squares_ / done - mean * mean);
+    return std::sqrt(variance / done) <= largest_error * mean;
+}
 
 std::string duration_text(double seconds) {
     char text[64];
@@ -55,36 +100,40 @@ void Progress::message(const std::string& text) {
     write_(text + "\n");
 }
 
-void Progress::begin_pairs(long total, long stored, long missing, long pilots) {
+void Progress::begin_pairs(long total, long stored, long missing, int at_once) {
     const std::scoped_lock lock(mutex_);
     missing_ = missing;
-    pilots_ = pilots;
     done_ = failed_ = 0;
+    predicted_ = false;
     begin_ = shown_ = clock_();
+    estimate_.begin(begin_, missing, at_once);
     if (style_ == Style::silent) return;
     clear_line();
     write_(std::to_string(total) + " pairs, " + std::to_string(stored) + " of them in the store, " +
            std::to_string(missing) + " to compute\n");
 }
 
-void Progress::pair_done(bool has_distance) {
+void Progress::pair_done(bool has_distance, double seconds) {
     const std::scoped_lock lock(mutex_);
     ++done_;
     if (!has_distance) ++failed_;
     if (style_ == Style::silent) return;
     const double now = clock_();
-    if (done_ == pilots_ && done_ < missing_) {
-        const double predicted = (now - begin_) / static_cast<double>(done_) * static_cast<double>(missing_ - done_);
-        if (predicted < least_predicted) return;
-        clear_line();
-        write_("about " + duration_text(predicted) + " to go, judged by the first " + std::to_string(done_) +
-               " pairs, drawn at random\n");
-        shown_ = now;
+    estimate_.pair_done(now, seconds);
+    if (!predicted_ && done_ < missing_ && estimate_.trustworthy()) {
+        predicted_ = true;
+        const double predicted = estimate_.seconds_left(now);
+        if (predicted >= least_predicted) {
+            clear_line();
+            write_("about " + duration_text(predicted) + " to go, judged by the first " + std::to_string(done_) +
+                   " pairs\n");
+            shown_ = now;
+        }
     }
     const double interval = style_ == Style::terminal ? terminal_interval : log_interval;
     if (now - shown_ < interval) return;
     shown_ = now;
-    show_count();
+    show_count(now);
 }
 
 void Progress::end_pairs() {
@@ -105,12 +154,14 @@ double Progress::seconds_since_begin() const {
     return clock_() - begin_;
 }
 
-void Progress::show_count() {
-    const double rate = static_cast<double>(done_) / std::max(clock_() - begin_, 1e-9);
+void Progress::show_count(double now) {
+    const double rate = static_cast<double>(done_) / std::max(now - begin_, 1e-9);
     char text[160];
-    const std::string left = duration_text(static_cast<double>(missing_ - done_) / rate);
+    // What was said once is not taken back: few pairs more or less do not make the estimate much worse.
+    const bool known = predicted_ || done_ >= missing_ / 4;
+    const std::string left = known ? duration_text(estimate_.seconds_left(now)) + " left" : "too early to say how long";
     const int size =
-        std::snprintf(text, sizeof text, "%ld of %ld pairs (%.0f %%), %.3g a second, %s left", done_, missing_,
+        std::snprintf(text, sizeof text, "%ld of %ld pairs (%.0f %%), %.3g a second, %s", done_, missing_,
                       100.0 * static_cast<double>(done_) / static_cast<double>(missing_), rate, left.c_str());
     std::string line(text, static_cast<std::size_t>(size));
     if (failed_ > 0) line += ", " + std::to_string(failed_) + " without a distance";

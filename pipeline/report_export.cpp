@@ -72,9 +72,10 @@ std::string motion_text(const StoredGeodesic& g) {
 /// The pictures of a path and, of solids, their files: from the store and an earlier report, else the path is computed
 /// again (it is not kept) and drawn.
 template <int Dim>
-DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const StoredShape& to, const StudyData& data,
-                      ResultStore& store, const SolidView& view, const KeptSolids& kept, const StudyFolder& folder,
-                      const std::filesystem::path& below, std::string& remark) {
+DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const StoredShape& to,
+                      const GeodesicOptions& geodesic, ResultStore& store, const SolidView& view,
+                      const KeptSolids& kept, const StudyFolder& folder, const std::filesystem::path& below,
+                      std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
     const std::string key = Dim == 2 ? "path 1 " + pair : "path 3 " + pair + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
@@ -84,7 +85,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
     }
     GeodesicResult<Dim> path;
     const StoredGeodesic again = solve_pair<Dim>(
-        stored_shape<Dim>(from, store), stored_shape<Dim>(to, store), data.settings.geodesic,
+        stored_shape<Dim>(from, store), stored_shape<Dim>(to, store), geodesic,
         [] { return StopSignals::caught() != 0; }, &path);
     if (StopSignals::caught() != 0 || path.shapes.empty()) return {};
     if (again.path_length != g.path_length) {
@@ -134,7 +135,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         const bool forward = data.first_is_a[data.index(i, j)];
         const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
         const std::filesystem::path below = std::filesystem::path("paths") / path_folder(p, from.name, to.name);
-        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data, store, view, kept, folder, below, remarks[p]);
+        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data.geodesic_of(data.index(i, j)), store, view, kept,
+                                           folder, below, remarks[p]);
         if (drawn.frames.empty()) return;
         write_path_files(folder, below, drawn);
 
@@ -160,8 +162,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         path.min_det = pair->min_det;
         path.termination = to_string(pair->termination);
         path.message = pair->message;
-        path.level = data.settings.geodesic.level;
-        path.time_steps = data.settings.geodesic.time_steps;
+        path.level = data.geodesic_of(data.index(i, j)).level;
+        path.time_steps = data.geodesic_of(data.index(i, j)).time_steps;
         path.seconds = pair->seconds;
         path.motion = motion_text(*pair);
     });
@@ -239,6 +241,10 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
                    {"report.json", "report.json", "everything in this report but the pictures"},
                    {"figures/", "figures", "every figure as SVG, for print"},
                    {"study.sqlite", "study.sqlite", "the store: every result with its settings"}};
+    if (data.levels.size() > 1) {
+        model.links.push_back({"distances_refined.csv", "distances_refined.csv",
+                               "distances.csv without the estimates from coarse grids (empty cells)"});
+    }
 }
 
 }  // namespace

@@ -54,6 +54,9 @@ std::vector<std::string> RunSettings::problems() const {
     place.mode = normalize;
     add(place.problems());
     add(geodesic.problems());
+    if (pairs.neighbors < 0) {
+        found.push_back("neighbors must be 0 (all pairs) or more, not " + std::to_string(pairs.neighbors));
+    }
     return found;
 }
 

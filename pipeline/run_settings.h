@@ -12,11 +12,15 @@ namespace morphodesic::pipeline {
 /// Which geodesics of a study are computed. Not part of the settings hash: a geodesic is the same whoever asks for it.
 struct PairSelection {
     bool both_directions = false;  ///< both directions of every pair; the distance is their mean
+    int neighbors = 0;             ///< k > 0: only pairs that can be among the k nearest of a shape are solved finely
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("both-directions", self.both_directions,
               "compute both directions of every pair and use the mean; else one, chosen by the contents");
+        visit("neighbors", self.neighbors,
+              "k > 0: solve all pairs coarsely and only those finely that can be among the k nearest of a shape; the "
+              "others get an estimate and are marked; 0: all pairs finely");
     }
 };
 

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "pipeline/collection.h"
 #include "pipeline/digest.h"
+#include "pipeline/study_rounds.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 using nlohmann::json;
-constexpr int plan_version = 1;
+constexpr int plan_version = 2;
 
 }  // namespace
 
@@ -53,6 +53,7 @@ std::string ShardPlan::text() const {
                 {"shards", shards},
                 {"dimension", dimension},
                 {"settings", canonical_text(settings)},
+                {"geodesic", canonical_text(geodesic)},
                 {"shapes", digests},
                 {"tiles", list}}
         .dump();
@@ -68,20 +69,16 @@ std::string ShardPlan::result_name(int shard) const {
     return name;
 }
 
-ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, int dimension, int shards, long& missing) {
+ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, const GeodesicOptions& geodesic,
+                    const std::optional<std::set<GeodesicKey>>& only, int dimension, int shards, long& missing) {
     ShardPlan plan;
     plan.shards = shards;
     plan.dimension = dimension;
     plan.settings = settings;
-    const auto masked = store.masked_level_sets();
-    std::map<std::string, bool> different;
-    for (const StoredShape& shape : store.shapes()) {
-        if (shape.problem.empty() && !shape.content_digest.empty()) {
-            different.emplace(shape.content_digest, masked.contains(shape.content_digest));
-        }
-    }
+    plan.geodesic = geodesic;
+    const DifferentShapes different = different_shapes(store);
     plan.shapes.assign(different.begin(), different.end());
-    const auto stored = store.stored_pairs(settings_hash(settings.geodesic));
+    const auto stored = store.stored_pairs(settings_hash(geodesic));
 
     // About eight tiles for every shard, so that the shards come out even; not so small that shapes are read for a few
     // pairs only where there are many.
@@ -95,7 +92,10 @@ ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, int d
         for (std::size_t c = r; c < blocks; ++c) {
             Tile tile{r * n / blocks, (r + 1) * n / blocks, c * n / blocks, (c + 1) * n / blocks, 1, ""};
             const auto keys = plan.geodesics_of(tile);
-            for (const GeodesicKey& key : keys) tile.missing += stored.contains(key) ? '0' : '1';
+            for (const GeodesicKey& key : keys) {
+                const bool to_compute = !stored.contains(key) && (!only || only->contains(key));
+                tile.missing += to_compute ? '1' : '0';
+            }
             const auto count = std::count(tile.missing.begin(), tile.missing.end(), '1');
             if (count == 0) continue;
             if (static_cast<std::size_t>(count) == keys.size()) tile.missing.clear();
@@ -151,6 +151,7 @@ ShardPlan read_plan(const ResultStore& plan_file) {
     plan.shards = j.at("shards");
     plan.dimension = j.at("dimension");
     plan.settings = settings_from_text(j.at("settings").get<std::string>());
+    plan.geodesic = settings_from_text(j.at("geodesic").get<std::string>()).geodesic;
     for (const json& shape : j.at("shapes"))
         plan.shapes.emplace_back(shape[0].get<std::string>(), shape[1].get<bool>());
     for (const json& t : j.at("tiles")) plan.tiles.push_back({t[1], t[2], t[3], t[4], t[0], t[5]});

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +25,8 @@ struct Tile {
 struct ShardPlan {
     int shards = 1;
     int dimension = 2;
-    RunSettings settings;
+    RunSettings settings;      ///< of the study
+    GeodesicOptions geodesic;  ///< those of this round: coarser ones while a study screens its pairs
     std::vector<std::pair<std::string, bool>> shapes;  ///< content digest, has an occlusion mask; sorted
     std::vector<Tile> tiles;
 
@@ -38,9 +41,11 @@ struct ShardPlan {
 };
 
 /// Tiles of what is missing in a store, in at most `shards` shards of about the same number of geodesics.
+/// @param geodesic  settings of the geodesics; only: of all geodesics these, if given
 /// @param missing  receives how many geodesics are to be computed
-[[nodiscard]] ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, int dimension, int shards,
-                                  long& missing);
+[[nodiscard]] ShardPlan make_plan(const ResultStore& store, const RunSettings& settings,
+                                  const GeodesicOptions& geodesic, const std::optional<std::set<GeodesicKey>>& only,
+                                  int dimension, int shards, long& missing);
 
 /// Writes plan and level sets to a file that is never changed again, so that many machines may read it at once.
 void write_plan(const ShardPlan& plan, const ResultStore& store, const std::filesystem::path& file);

@@ -1,11 +1,10 @@
 #include "pipeline/study_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
+#include "pipeline/study_rounds.h"
 #include "pipeline/wanted_pairs.h"
 
 namespace morphodesic::pipeline {
@@ -32,15 +31,16 @@ StudyData load_study(const ResultStore& store) {
     data.first_is_a.resize(data.distances.pair_count(), true);
 
     data.backward.resize(data.distances.pair_count());
-    const std::set<std::string> masked = store.masked_level_sets();
     const bool both = data.settings.pairs.both_directions;
+    const StudyRounds rounds =
+        rounds_of(store, data.settings, [&](const std::string& damage) { data.remarks.push_back(damage); });
+    data.levels = rounds.levels;
+    const std::size_t finest = rounds.levels.size() - 1;
+    data.level_of.assign(data.distances.pair_count(), static_cast<unsigned char>(finest));
+    const bool screened = rounds.screened() && rounds.screening.missing.empty();
+    std::map<std::string, std::size_t> number;
+    for (const auto& [digest, masked] : rounds.shapes) number.emplace(digest, number.size());
 
-    std::map<GeodesicKey, StoredGeodesic> rows;
-    for (StoredGeodesic& row :
-         store.geodesics(data.settings_hash, [&](const std::string& damage) { data.remarks.push_back(damage); })) {
-        const auto key = std::pair(row.a, row.b);
-        rows.emplace(key, std::move(row));
-    }
     for (std::size_t i = 0; i < data.shapes.size(); ++i) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
             const std::string &a = data.shapes[i].content_digest, &b = data.shapes[j].content_digest;
@@ -48,33 +48,43 @@ StudyData load_study(const ResultStore& store) {
                 data.distances.set(i, j, 0.0, 0.0);
                 continue;
             }
-            const auto keys = geodesics_of_pair(a, masked.contains(a), b, masked.contains(b), both);
+            const auto keys = geodesics_of_pair(a, rounds.shapes.at(a), b, rounds.shapes.at(b), both);
             const std::size_t p = data.index(i, j);
             data.first_is_a[p] = keys.front().first == a;
-            std::string problem;
-            bool complete = true;
-            double length = 0.0, error = 0.0;
-            std::vector<double> lengths;
-            for (const GeodesicKey& key : keys) {
-                const auto found = rows.find(key);
-                complete = complete && found != rows.end();
-                if (found == rows.end()) continue;
-                const StoredGeodesic& row = found->second;
-                (&key == &keys.front() ? data.pairs : data.backward)[p] = row;
-                if (problem.empty()) problem = row.problem();
-                length += row.path_length / static_cast<double>(keys.size());
-                error += row.error / static_cast<double>(keys.size());
-                lengths.push_back(row.path_length);
+            std::size_t level = finest;
+            const Screening::Pair* estimate = nullptr;
+            if (screened) {
+                const auto [x, y] = std::minmax(number.at(a), number.at(b));
+                estimate = &rounds.screening.pairs[analysis::DistanceMatrix::condensed_index(number.size(), x, y)];
+                level = estimate->level;
             }
-            if (!problem.empty()) {
-                data.failures.push_back({data.shapes[i].name, data.shapes[j].name, problem});
-            } else if (!complete) {
+            data.level_of[p] = static_cast<unsigned char>(level);
+            const GeodesicRows& rows = rounds.rows[level];
+            if (const auto found = rows.find(keys.front()); found != rows.end()) data.pairs[p] = found->second;
+            if (const auto found = rows.find(keys.back()); keys.size() > 1 && found != rows.end()) {
+                data.backward[p] = found->second;
+            }
+            const PairDistance pair = distance_of_pair(rows, keys);
+            if (!pair.problem.empty()) {
+                data.failures.push_back({data.shapes[i].name, data.shapes[j].name, pair.problem});
+            } else if (!pair.complete) {
                 ++data.pairs_missing;
+            } else if (level == finest) {
+                data.distances.set(i, j, pair.distance, pair.error);
             } else {
-                // Two directions that differ by more than their bars say that the bars are too short.
-                data.distances.set(i, j, length, std::max(error, std::abs(lengths.front() - lengths.back()) / 2));
+                data.distances.set(i, j, estimate->distance, estimate->error);
+                ++data.pairs_coarse;
             }
         }
+    }
+    if (rounds.screened() && !screened) data.pairs_missing = static_cast<long>(rounds.screening.missing.size());
+    if (data.pairs_coarse > 0) {
+        data.coarse_note = std::to_string(data.pairs_coarse) + " of " + std::to_string(data.distances.pair_count()) +
+                           " distances are estimates from coarse grids (--neighbors " +
+                           std::to_string(data.settings.pairs.neighbors) + "): these pairs are not among the " +
+                           std::to_string(data.settings.pairs.neighbors) +
+                           " nearest of either shape. Column refined of pairs.csv is 0 for them; distances_refined.csv "
+                           "leaves them out.";
     }
     return data;
 }

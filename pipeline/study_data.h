@@ -23,17 +23,26 @@ struct StudyData {
     std::string settings_hash;
     std::vector<StoredShape> shapes;  ///< usable files, sorted by name
     std::vector<StoredShape> unusable;
-    /// Path lengths with error bars, the mean where both directions are computed; missing where no distance is
-    /// trustworthy.
+    /// Path lengths with error bars, the mean where both directions are computed; of pairs that a screening left coarse
+    /// an estimate of it (see Screening); missing where no distance is trustworthy.
     analysis::DistanceMatrix distances;
     /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet.
     std::vector<std::optional<StoredGeodesic>> pairs;
     std::vector<std::optional<StoredGeodesic>> backward;  ///< the same, the other way round, if both are computed
-    std::vector<bool> first_is_a;  ///< condensed: the path of `pairs` runs from the first to the second name
+    /// Settings from coarse to fine; more than one if the study screens its pairs (PairSelection::neighbors).
+    std::vector<GeodesicOptions> levels;
+    std::vector<unsigned char> level_of;  ///< condensed: the level that `pairs`, `backward` and the distance are of
+    long pairs_coarse = 0;                ///< distances that are estimates from coarse levels
+    std::string coarse_note;              ///< says so, if there are any
+    std::vector<bool> first_is_a;         ///< condensed: the path of `pairs` runs from the first to the second name
     std::vector<StudyFailure> failures;
-    long pairs_missing = 0;            ///< not computed yet
+    long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
     std::vector<std::string> remarks;  ///< e.g. damaged rows
 
+    /// Solved with the settings of the study; else the distance is an estimate from coarse levels.
+    [[nodiscard]] bool refined(std::size_t pair) const { return level_of[pair] + std::size_t{1} == levels.size(); }
+    /// The settings that the geodesics of a pair were computed with.
+    [[nodiscard]] const GeodesicOptions& geodesic_of(std::size_t pair) const { return levels[level_of[pair]]; }
     [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
 };
 

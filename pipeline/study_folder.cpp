@@ -66,6 +66,12 @@ void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
     }
 }
 
+void StudyFolder::remove(const fs::path& name) const {
+    std::error_code error;
+    fs::remove(path_ / name, error);
+    if (error) throw StoreError(path_ / name, "cannot be removed: " + error.message() + "; check its permissions");
+}
+
 StudyLock::StudyLock(const StudyFolder& folder) {
     const fs::path file = folder.path() / "study.lock";
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);

@@ -27,6 +27,8 @@ public:
     /// @param name  relative to the study folder; folders are made
     /// @throws StoreError if the disk is full or the folder may not be written
     void write(const std::filesystem::path& name, std::string_view bytes) const;
+    /// Takes a file of an earlier run away, if there is one. @throws StoreError if it cannot be removed
+    void remove(const std::filesystem::path& name) const;
 
 private:
     std::filesystem::path path_;

@@ -112,6 +112,9 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
         for (std::size_t j = i + 1; j < all.kept.size(); ++j) {
             model.distances.push_back(data.distances(all.kept[i], all.kept[j]));
             model.errors.push_back(data.distances.error(all.kept[i], all.kept[j]));
+            if (data.pairs_coarse > 0) {
+                model.refined.push_back(data.refined(data.index(all.kept[i], all.kept[j])) ? 1 : 0);
+            }
             const auto& pair = data.pairs[data.index(all.kept[i], all.kept[j])];
             if (pair && !pair->problem().empty()) {
                 model.trust.not_converged.push_back({number(i), number(j), pair->problem()});
@@ -141,6 +144,7 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     reports::ReportModel& model = result.model;
     model.trust = trust_of(all);
     model.trust.remarks.insert(model.trust.remarks.end(), data.remarks.begin(), data.remarks.end());
+    if (!data.coarse_note.empty()) model.trust.remarks.push_back(data.coarse_note);
     add_shapes(data, all, model);
     model.dimension = data.dimension;
     model.shapes_found = number(data.shapes.size() + data.unusable.size());

@@ -198,6 +198,7 @@ Json model_json(const ReportModel& m, int digits) {
     });
     result["distances"] = numbers(m.distances, digits);
     result["errors"] = numbers(m.errors, digits > 0 ? std::min(digits, 3) : 0);
+    result["refined"] = m.refined;
     result["linkages"] = list(m.linkages, tree_json);
     result["clusterings"] = list(m.clusterings, [](const Clustering& c) {
         return Json{{"method", c.method},

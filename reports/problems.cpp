@@ -13,6 +13,7 @@ public:
         const std::size_t pairs = n_ * (n_ - (n_ > 0)) / 2;
         length("distances", model_.distances.size(), pairs, false);
         length("errors", model_.errors.size(), pairs, true);
+        length("refined", model_.refined.size(), pairs, true);
         for (const double d : model_.distances) {
             if (d < 0 || std::isinf(d)) {
                 found_.push_back("distances: negative or infinite entry");

@@ -243,6 +243,7 @@ struct ReportModel {
     std::vector<ReportShape> shapes;
     std::vector<double> distances;        ///< condensed; NaN: no trustworthy distance
     std::vector<double> errors;           ///< condensed error bars; may be empty
+    std::vector<int> refined;             ///< condensed, 1 or 0: 0 marks an estimate from coarse grids; empty: all 1
     std::vector<LinkageTree> linkages;    ///< the first one is shown first
     std::vector<Clustering> clusterings;  ///< the first one gives the cluster colours
     std::vector<Embedding> embeddings;

@@ -97,10 +97,12 @@ int verify(const StudyOptions& options) {
     long checked = 0;
     std::map<std::string, std::size_t> by_digest;
     for (std::size_t i = 0; i < data.shapes.size(); ++i) by_digest.emplace(data.shapes[i].content_digest, i);
+    std::map<std::string, const GeodesicOptions*> settings_of;
+    for (const GeodesicOptions& level : data.levels) settings_of.emplace(settings_hash(level), &level);
     const std::vector<const StoredGeodesic*> chosen = sample(data, options);
     progress.begin_pairs(static_cast<long>(data.pairs.size()),
                          static_cast<long>(data.pairs.size()) - data.pairs_missing, static_cast<long>(chosen.size()),
-                         0);
+                         1);
     with_dimension(data.dimension, [&]<int Dim>() {
         const auto shape = [&](const std::string& digest) {
             ImportedShape<Dim> result;
@@ -114,10 +116,10 @@ int verify(const StudyOptions& options) {
             const StoredGeodesic& stored = *row;
             const ImportedShape<Dim> a = shape(stored.a), b = shape(stored.b);
             const StoredGeodesic again =
-                solve_pair<Dim>(a, b, data.settings.geodesic, [] { return StopSignals::caught() != 0; });
+                solve_pair<Dim>(a, b, *settings_of.at(stored.settings_hash), [] { return StopSignals::caught() != 0; });
             if (StopSignals::caught() != 0) return;
             ++checked;
-            progress.pair_done(again.problem().empty());
+            progress.pair_done(again.problem().empty(), again.seconds);
             if (again.path_length == stored.path_length && again.min_det == stored.min_det) continue;
             char text[200];
             std::snprintf(text, sizeof text, "stored path length %.17g, computed again %.17g", stored.path_length,

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "pipeline/collection.h"
@@ -22,6 +23,7 @@
 #include "pipeline/shard_results.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/study_rounds.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -43,13 +45,14 @@ fs::path this_program() {
 
 /// Memory of a shard on one core, in whole megabytes, with some room.
 long shard_megabytes(const ShardPlan& plan) {
-    const GeodesicOptions& geodesic = plan.settings.geodesic;
+    const GeodesicOptions& geodesic = plan.geodesic;
     std::size_t largest = 0;
     for (const Tile& t : plan.tiles) {
         largest = std::max(largest, t.rows_end - t.rows_begin + t.columns_end - t.columns_begin);
     }
-    const std::size_t bytes = bytes_of_program + bytes_of_pair(plan.dimension, geodesic.level, geodesic.time_steps) +
-                              (largest + 2) * bytes_of_shape(plan.dimension, shape_level(plan.dimension, geodesic));
+    const std::size_t bytes =
+        bytes_of_program + bytes_of_pair(plan.dimension, geodesic.level, geodesic.time_steps) +
+        (largest + 2) * bytes_of_shape(plan.dimension, shape_level(plan.dimension, plan.settings.geodesic));
     return static_cast<long>(bytes >> 20) + 64;
 }
 
@@ -116,10 +119,20 @@ bool stays(const StoredGeodesic& x, const StoredGeodesic& y) {
     return !good || x.path_length <= y.path_length;
 }
 
+/// Whether a store has all that a plan wanted; false if there is no plan.
+bool plan_is_done(const fs::path& file, const ResultStore& store) {
+    if (!fs::exists(file)) return false;
+    const ShardPlan plan = read_plan(ResultStore(file, ResultStore::Access::read));
+    const auto stored = store.stored_pairs(settings_hash(plan.geodesic));
+    return std::all_of(plan.tiles.begin(), plan.tiles.end(), [&](const Tile& tile) {
+        const auto keys = plan.missing_of(tile);
+        return std::all_of(keys.begin(), keys.end(), [&](const GeodesicKey& key) { return stored.contains(key); });
+    });
+}
+
 template <int Dim>
 long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, ShardWriter& out, const MemoryPlan& memory,
                  Progress& progress, long& failed) {
-    const std::string hash = settings_hash(plan.settings.geodesic);
     std::set<GeodesicKey> done;
     for (const StoredGeodesic& row : out.before()) done.emplace(row.a, row.b);
     std::vector<std::vector<GeodesicKey>> tiles;
@@ -132,7 +145,7 @@ long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, Sha
         missing += static_cast<long>(keys.size());
         if (!keys.empty()) tiles.push_back(std::move(keys));
     }
-    progress.begin_pairs(total, total - missing, missing, std::min(missing, 16L));
+    progress.begin_pairs(total, total - missing, missing, memory.pairs_in_flight);
     const auto stop = [] { return StopSignals::caught() != 0; };
     tbb::task_arena arena(memory.pairs_in_flight);
     std::atomic<long> solved_now{0}, failed_now{0};
@@ -144,13 +157,13 @@ long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, Sha
                 [&](const tbb::blocked_range<std::size_t>& range) {
                     for (std::size_t k = range.begin(); k < range.end(); ++k) {
                         if (stop()) return;
-                        const StoredGeodesic row = solve_pair<Dim>(
-                            shapes.get(keys[k].first), shapes.get(keys[k].second), plan.settings.geodesic, stop);
+                        const StoredGeodesic row =
+                            solve_pair<Dim>(shapes.get(keys[k].first), shapes.get(keys[k].second), plan.geodesic, stop);
                         if (row.failure.empty() && row.termination == Termination::cancelled) return;
                         out.append(row);
                         ++solved_now;
                         if (!row.problem().empty()) ++failed_now;
-                        progress.pair_done(row.problem().empty());
+                        progress.pair_done(row.problem().empty(), row.seconds);
                     }
                 },
                 tbb::simple_partitioner());
@@ -176,9 +189,14 @@ int plan(const ShardOptions& options) {
     if (!text)
         throw StoreError(store.file(), "the study has no settings yet; take its shapes in with: morphodesic ingest");
     const RunSettings settings = settings_from_text(*text);
-    store.put_settings(settings_hash(settings.geodesic), canonical_text(settings.geodesic));
+    const StudyRounds rounds = rounds_of(store, settings);
+    const GeodesicOptions& geodesic = rounds.screened() ? rounds.levels[rounds.screening.level] : settings.geodesic;
+    store.put_settings(settings_hash(geodesic), canonical_text(geodesic));
+    std::optional<std::set<GeodesicKey>> only;
+    if (rounds.screened()) only = rounds.missing(settings.pairs.both_directions);
     long missing = 0;
-    const ShardPlan plan = make_plan(store, settings, store.fact("dimension") == "3" ? 3 : 2, options.shards, missing);
+    const ShardPlan plan =
+        make_plan(store, settings, geodesic, only, store.fact("dimension") == "3" ? 3 : 2, options.shards, missing);
     Summary summary;
     const fs::path shards = folder.path() / "shards";
     std::error_code error;
@@ -195,6 +213,11 @@ int plan(const ShardOptions& options) {
     summary.lines.push_back(std::to_string(missing) + " pairs to compute in " + std::to_string(plan.tiles.size()) +
                             " tiles and " + std::to_string(plan.shards) +
                             " shards; plan: " + (shards / "plan.sqlite").string());
+    if (rounds.screened()) {
+        summary.data["level"] = geodesic.level;
+        summary.lines.push_back("This is a round of a screening (level " + std::to_string(geodesic.level) +
+                                "); after merge, plan the next one, until merge says that all pairs are there");
+    }
     if (options.format == "slurm") {
         folder.write("shards/shards.slurm", slurm_script(plan, shards, folder.path()));
         summary.data["script"] = (shards / "shards.slurm").string();
@@ -230,9 +253,9 @@ int shard(const ShardOptions& options) {
     if (count != plan.shards) {
         throw std::invalid_argument(options.shard + ": the plan has " + std::to_string(plan.shards) + " shards");
     }
-    const GeodesicOptions& geodesic = plan.settings.geodesic;
+    const GeodesicOptions& geodesic = plan.geodesic;
     const MemoryPlan memory =
-        plan_memory(options.memory, plan.dimension, geodesic.level, shape_level(plan.dimension, geodesic),
+        plan_memory(options.memory, plan.dimension, geodesic.level, shape_level(plan.dimension, plan.settings.geodesic),
                     geodesic.time_steps, plan.shapes.size(), threads);
     Progress progress(Progress::style_of_stderr(options.common.quiet));
     progress.message(memory.sentence());
@@ -349,11 +372,17 @@ int merge(const ShardOptions& options) {
                             std::to_string(known) + " were in the store");
     if (data.pairs_missing > 0) {
         summary.exit_code = some_failed;
-        summary.lines.push_back(std::to_string(data.pairs_missing) + " pairs are still missing");
+        summary.lines.push_back(std::to_string(data.pairs_missing) + " pairs are still missing" +
+                                (data.levels.size() > 1 ? " in this round of the screening; plan it with: morphodesic "
+                                                          "plan " +
+                                                              quoted(folder.path().string()) + " --shards N"
+                                                        : ""));
     } else {
         summary.lines.push_back("All pairs are there. Report: morphodesic report " + quoted(folder.path().string()));
     }
-    const bool all_there = problems.empty() && data.pairs_missing == 0;
+    // A workflow ends well with a complete round of a screening, though another one may follow.
+    const bool round_there = data.levels.size() > 1 && plan_is_done(folder.path() / "shards" / "plan.sqlite", store);
+    const bool all_there = problems.empty() && (data.pairs_missing == 0 || round_there);
     for (const StudyFailure& failure : data.failures) problems.push_back(failure);
     summary.add_failures(problems);
     if (all_there && options.accept_failures) summary.exit_code = all_done;

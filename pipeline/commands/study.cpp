@@ -1,6 +1,7 @@
 // run, ingest, geodesics: from files to rows.
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "pipeline/pair_graph.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/study_rounds.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -55,20 +57,51 @@ void settle_settings(Workplace& at, const RunSettings& settings) {
             "The settings differ from those this study was made with. Distances are computed for the new ones; "
             "those of the old ones stay in the store and are never mixed with them.");
     }
-    at.store->put_settings(hash, canonical_text(settings.geodesic));
+    for (const GeodesicOptions& level : screening_levels(settings.geodesic, settings.pairs.neighbors)) {
+        at.store->put_settings(settings_hash(level), canonical_text(level));
+    }
     at.store->set_fact("settings", text);
     at.store->set_fact("program", "morphodesic " MORPHODESIC_VERSION);
 }
 
+/// The rounds of a screening: all pairs on the coarsest level, then what that asks for, until nothing is missing.
+template <int Dim>
+PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, const RunSettings& settings,
+                                PairGraphOptions graph) {
+    const auto levels = screening_levels(settings.geodesic, settings.pairs.neighbors);
+    graph.geodesic = levels.front();
+    PairGraphSummary sum = run_pair_graph<Dim>(collection, *at.store, graph, at.progress);
+    while (!sum.stopped && levels.size() > 1 && graph.solve) {
+        const StudyRounds rounds = rounds_of(*at.store, settings);
+        if (rounds.screening.missing.empty()) break;
+        graph.geodesic = levels[rounds.screening.level];
+        graph.only = rounds.missing(settings.pairs.both_directions);
+        at.progress.message("level " + std::to_string(graph.geodesic.level) + ": " +
+                            std::to_string(rounds.screening.asked) + " of " +
+                            std::to_string(rounds.screening.pairs.size()) + " pairs may be among the nearest");
+        Collection usable = stored_collection(*at.store);
+        std::erase_if(usable.entries, [](const CollectionEntry& e) { return !e.row.problem.empty(); });
+        const PairGraphSummary round = run_pair_graph<Dim>(usable, *at.store, graph, at.progress);
+        sum.pairs_stored += round.pairs_stored;
+        sum.pairs_solved += round.pairs_solved;
+        sum.pairs_total += round.pairs_total;
+        sum.pairs_failed = rounds.screening.level + 1 == levels.size() ? sum.pairs_failed + round.pairs_failed : 0;
+        sum.stopped = round.stopped;
+        if (!sum.stopped && round.pairs_solved == 0) {
+            throw StoreError(at.store->file(), "does not take the results of a round; give the same command again");
+        }
+    }
+    return sum;
+}
+
 PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options, bool solve) {
     PairGraphOptions graph;
-    graph.geodesic = options.settings.geodesic;
     graph.solve = solve;
     graph.both_directions = options.settings.pairs.both_directions;
     graph.threads = at.threads;
     graph.pairs_in_flight = at.threads;
+    const GeodesicOptions& geodesic = options.settings.geodesic;
     if (solve) {
-        const GeodesicOptions& geodesic = graph.geodesic;
         const MemoryPlan memory = plan_memory(options.memory, collection.dimension, geodesic.level,
                                               shape_level(collection.dimension, geodesic), geodesic.time_steps,
                                               collection.entries.size(), at.threads);
@@ -77,22 +110,30 @@ PairGraphSummary compute(Workplace& at, const Collection& collection, const Stud
         graph.shape_bytes = memory.shapes;
     }
     graph.stop = [] { return StopSignals::caught() != 0; };
-    if (solve && options.retry_failed) at.store->remove_failures(settings_hash(options.settings.geodesic));
+    if (solve && options.retry_failed) {
+        for (const GeodesicOptions& level : screening_levels(geodesic, options.settings.pairs.neighbors)) {
+            at.store->remove_failures(settings_hash(level));
+        }
+    }
     return with_dimension(collection.dimension,
-                          [&]<int Dim>() { return run_pair_graph<Dim>(collection, *at.store, graph, at.progress); });
+                          [&]<int Dim>() { return compute_rounds<Dim>(at, collection, options.settings, graph); });
 }
 
-/// Adds up the wall clock time of all runs of the study.
+/// Adds up the time of all runs of the study; a clock that jumps back takes nothing away.
 double add_seconds(ResultStore& store, double seconds) {
-    const double total = seconds + std::stod(store.fact("seconds").value_or("0"));
+    const double total = std::max(seconds, 0.0) + std::stod(store.fact("seconds").value_or("0"));
     store.set_fact("seconds", std::to_string(total));
     return total;
 }
 
 int stopped(const StudyOptions& options, const PairGraphSummary& done) {
-    std::cerr << "morphodesic: stopped; " << done.pairs_stored + done.pairs_solved << " of " << done.pairs_total
-              << " pairs are in the store. To go on, give the same command again"
-              << (options.command.empty() ? "" : ": " + options.command) << "\n";
+    std::cerr << "morphodesic: stopped" << (done.pairs_total == 0 ? " before the first pair" : "");
+    if (done.pairs_total > 0) {
+        std::cerr << "; " << done.pairs_stored + done.pairs_solved << " of " << done.pairs_total
+                  << " pairs are in the store";
+    }
+    std::cerr << ". To go on, give the same command again" << (options.command.empty() ? "" : ": " + options.command)
+              << "\n";
     return 128 + StopSignals::caught();
 }
 
@@ -108,6 +149,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     Collection collection;
     if (from_files) {
         collection = prepare_collection(options.collection, options.settings, *at.store, at.progress);
+        if (StopSignals::caught() != 0) return stopped(options, {});
         if (collection.entries.empty()) {
             for (const std::string& problem : collection.left_out) std::cerr << "morphodesic: " << problem << "\n";
             std::cerr << "morphodesic: " << options.collection.string()
@@ -137,6 +179,12 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
         summary.data["pairs_failed"] = done.pairs_failed;
     }
     const StudyData data = load_study(*at.store);
+    if (solve && data.levels.size() > 1) {
+        summary.data["pairs"] = data.distances.pair_count();
+        summary.data["geodesics"] = done.pairs_total;  // of all rounds
+        summary.data["pairs_coarse"] = data.pairs_coarse;
+        summary.data["pairs_refined"] = static_cast<long>(data.distances.pair_count()) - data.pairs_coarse;
+    }
     std::vector<StudyFailure> failures;
     for (const std::string& problem : collection.left_out) failures.push_back({"", "", problem});
     for (const StudyFailure& failure : data.failures) {
@@ -145,11 +193,14 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     std::string head = std::to_string(done.shapes) + " shapes";
     if (solve) {
         head += ", " + std::to_string(done.pairs_total) +
-                (options.settings.pairs.both_directions ? " geodesics, both directions of each pair (" : " pairs (") +
+                (data.levels.size() > 1                   ? " geodesics on all levels of the screening ("
+                 : options.settings.pairs.both_directions ? " geodesics, both directions of each pair ("
+                                                          : " pairs (") +
                 std::to_string(done.pairs_stored) + " from the store, " + std::to_string(done.pairs_solved) +
                 " computed)";
     }
     summary.lines.push_back(head + " in " + duration_text(now() - begin));
+    if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
     if (done.shapes == 0) {
         summary.exit_code = bad_usage;
         summary.lines.push_back("No file could be used.");

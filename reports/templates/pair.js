@@ -78,7 +78,10 @@ function renderPair() {
                   known(errorOf(a, b)) && known(distance(a, b)) ?
                       el('span', {class: 'error'}, ` ± ${num(errorOf(a, b), 2)}`) :
                       null,
-                  el('span', {class: 'what'}, known(distance(a, b)) ? 'geodesic distance' : 'no trustworthy distance')),
+                  el('span', {class: 'what'},
+                     isEstimate(a, b)      ? 'estimate from coarse grids' :
+                         known(distance(a, b)) ? 'geodesic distance' :
+                                                 'no trustworthy distance')),
                el('figure', {}, thumbnail(b, 72), el('figcaption', {}, nameOf(b)))),
             el('p', {class: 'hint'},
                `Among the neighbours of the first shape the second is number ${rank(a, b)}; the other way round ${

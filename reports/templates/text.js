@@ -56,10 +56,11 @@ const pairIndex = (i, j) => {
 };
 const distance = (i, j) => i === j ? 0 : data.distances[pairIndex(i, j)];
 const errorOf = (i, j) => i === j || !data.errors.length ? null : data.errors[pairIndex(i, j)];
+const isEstimate = (i, j) => i !== j && data.refined.length > 0 && !data.refined[pairIndex(i, j)];
 function withError(i, j) {
     const d = distance(i, j), e = errorOf(i, j);
     if (!known(d)) return 'no trustworthy distance';
-    return num(d, 4) + (known(e) ? ' ± ' + num(e, 2) : '');
+    return num(d, 4) + (known(e) ? ' ± ' + num(e, 2) : '') + (isEstimate(i, j) ? ' (estimate from coarse grids)' : '');
 }
 function neighboursOf(i) {
     if (data.neighbours.length) return data.neighbours[i];

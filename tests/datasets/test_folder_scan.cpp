@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "datasets/folder_scan.h"
@@ -112,6 +113,26 @@ TEST(FolderScan, LinkLoopsEndAndDanglingLinksAreProblems) {
     EXPECT_THAT(names(result), ElementsAre("a/x.png", "also.png", "linked/far.png"));
     ASSERT_THAT(result.problems, SizeIs(2));
     EXPECT_THAT(result.problems[0].message(), HasSubstr("dangling.png: the link leads nowhere"));
+}
+
+TEST(FolderScan, PipesAndDevicesAreProblemsAndNeverOpened) {
+    const tests::TemporaryFolder folder;
+    folder.write("a.png", "x");
+    ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+    ASSERT_EQ(mkfifo((folder / "a.mask.png").c_str(), 0600), 0);
+    ASSERT_EQ(mkfifo((folder / "no_shape.txt").c_str(), 0600), 0);
+    fs::create_symlink(folder / "pipe.png", folder / "to_pipe.png");
+    fs::create_symlink("/dev/zero", folder / "zero.stl");
+    ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("a.png"));
+    EXPECT_TRUE(result.sources[0].mask_path.empty());
+    ASSERT_THAT(result.problems, SizeIs(4));
+    for (const ScanProblem& problem : result.problems) EXPECT_THAT(problem.message(), HasSubstr("not a file"));
+    ASSERT_EQ(mkfifo((folder / "labels.csv").c_str(), 0600), 0);
+    EXPECT_THROW(scan_folder(folder.path()), ReadError);
+    fs::remove(folder / "labels.csv");
+    fs::create_directory(folder / "labels.csv");
+    EXPECT_THROW(scan_folder(folder.path()), ReadError);
 }
 
 TEST(FolderScan, UnreadableFoldersAreProblemsAndTheRestGoesOn) {

@@ -41,6 +41,7 @@ public:
     BackgroundRun(const BackgroundRun&) = delete;
     BackgroundRun& operator=(const BackgroundRun&) = delete;
     void signal(int number) const;
+    [[nodiscard]] pid_t process() const { return process_; }
     Outcome wait();
 
 private:

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
@@ -226,6 +227,70 @@ TEST_F(RandomFaults, APairThatDidNotConvergeIsNeverANumber) {
         EXPECT_THAT(line, testing::EndsWith("png" + expected));
     }
     expect_healed("no iterations");  // the results of other settings are still there
+}
+
+/// Bytes of memory that a process holds right now; 0 if it is gone.
+double resident_megabytes(pid_t process) {
+    std::istringstream status(read_file("/proc/" + std::to_string(process) + "/status"));
+    for (std::string line; std::getline(status, line);) {
+        if (line.rfind("VmRSS:", 0) == 0) return std::stod(line.substr(6)) / 1024;
+    }
+    return 0;
+}
+
+TEST(Soak, ManyPairsTakeNoMoreMemoryThanFew) {
+    const char* asked = std::getenv("MORPHODESIC_SOAK");  // shapes
+    const int shapes = asked ? std::atoi(asked) : 30;
+    const long pairs = static_cast<long>(shapes) * (shapes - 1) / 2;
+    const TemporaryFolder folder;
+    const std::string men = (folder / "men").string();
+    ASSERT_EQ(morphodesic({"datasets", "matchstick", "--out", men, "--count", std::to_string(shapes), "--size", "64",
+                           "--quiet"})
+                  .code,
+              0);
+    ASSERT_EQ(morphodesic({"ingest", men, "--quiet"}).code, 0);
+    BackgroundRun study(
+        {"geodesics", men + ".study", "--level", "4", "--steps", "1", "--starts", "1", "--threads", "2", "--quiet"});
+    std::vector<std::pair<long, double>> samples;  // pairs done, megabytes
+    for (long rows = 0; rows < pairs;) {
+        const double megabytes = resident_megabytes(study.process());
+        rows = stored_rows(men + ".study");
+        if (megabytes == 0) break;
+        samples.emplace_back(rows, megabytes);
+        std::this_thread::sleep_for(std::chrono::milliseconds(asked ? 200 : 20));
+    }
+    const Outcome done = study.wait();
+    ASSERT_EQ(done.code, 0) << done.err;
+    double early = 0, late = 0;
+    for (const auto& [rows, megabytes] : samples) {
+        if (asked) std::cout << rows << " pairs, " << megabytes << " MB\n";
+        if (rows >= pairs / 10 && rows <= pairs / 2) early = std::max(early, megabytes);
+        if (rows > pairs / 2) late = std::max(late, megabytes);
+    }
+    ASSERT_GT(early, 0);
+    ASSERT_GT(late, 0);
+    // The list of what is done, and what the allocator keeps; a leak of one grid (8 kB) a pair would be far more.
+    EXPECT_LT(late, early + 3 + static_cast<double>(pairs) * 2e-3);
+}
+
+TEST_F(RandomFaults, ClockThatJumpsChangesNothing) {
+    const Outcome library = shell("ls /usr/lib/*/faketime/libfaketimeMT.so.1");
+    if (library.code != 0) GTEST_SKIP() << "libfaketime is not installed (Debian: libfaketime)";
+    const std::string preload = library.out.substr(0, library.out.find('\n'));
+    const fs::path clock = folder_ / "clock";
+    fs::remove_all(study_);
+    // All clocks of the process: the time of day, and the one that only grows (which then does not).
+    std::string line = "export LD_PRELOAD=" + preload + " FAKETIME_TIMESTAMP_FILE='" + clock.string() +
+                       "' FAKETIME_NO_CACHE=1; for offset in +0 -400d +4000d -1h +0; do echo $offset > '" +
+                       clock.string() + "'; sleep 0.1; done & exec \"$MORPHODESIC\"";
+    write_file(clock, "+0\n");
+    for (const std::string& word : command_) line += " '" + word + "'";
+    const Outcome done = shell("(" + line + ")");
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_);
+    const double seconds = json::parse(done.out)["seconds_of_all_runs"];
+    EXPECT_GE(seconds, 0);
+    expect_healed("a clock that jumped");
 }
 
 TEST(Clock, NothingDependsOnTheTimeOfDay) {

@@ -2,9 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
+#include <thread>
 
 #include "analysis/matrix_csv.h"
 #include "program.h"
@@ -69,6 +74,138 @@ TEST(BothDirections, TheDistanceIsTheMeanAndBothRowsAreKept) {
     // Back to one direction: the rows of the other one are in the store and change nothing.
     EXPECT_EQ(json::parse(morphodesic(one).out)["pairs_computed"], 0);
     EXPECT_EQ(read_file(folder / "men.study/distances.csv"), bytes);
+}
+
+/// Two groups of shapes that are far from each other.
+class Neighbours : public testing::Test {
+protected:
+    void SetUp() override {
+        make_men(folder / "shapes", 7);
+        make_disks(folder / "shapes/disks", 6);
+        for (const auto& entry : fs::recursive_directory_iterator(folder / "shapes")) {
+            if (entry.path().extension() == ".csv") csv_.push_back(entry.path());
+        }
+        for (const fs::path& file : csv_) fs::remove(file);
+    }
+    [[nodiscard]] std::vector<std::string> command(const std::string& out, int neighbors) const {
+        return {"run",         (folder / "shapes").string(),
+                "--out",       (folder / out).string(),
+                "--level",     "5",
+                "--steps",     "1",
+                "--paths",     "2",
+                "--labels",    "none",
+                "--neighbors", std::to_string(neighbors),
+                "--json",      "--quiet"};
+    }
+    /// Numbers of the k nearest in a row of distances.csv.
+    static std::set<std::size_t> nearest(const std::vector<std::string>& row, std::size_t self, std::size_t k) {
+        std::vector<std::size_t> order;
+        for (std::size_t c = 1; c < row.size(); ++c) {
+            if (c != self) order.push_back(c);
+        }
+        std::sort(order.begin(), order.end(),
+                  [&](std::size_t x, std::size_t y) { return std::stod(row[x]) < std::stod(row[y]); });
+        return {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(k)};
+    }
+    TemporaryFolder folder;
+
+private:
+    std::vector<fs::path> csv_;
+};
+
+TEST_F(Neighbours, AreFoundAndTheOtherPairsAreMarkedAsEstimates) {
+    const json full = json::parse(morphodesic(command("full", 0)).out);
+    EXPECT_FALSE(fs::exists(folder / "full/distances_refined.csv"));
+    const Outcome done = morphodesic(command("screened", 2));
+    ASSERT_EQ(done.code, 0) << done.err;
+    const json summary = json::parse(done.out);
+    const long pairs = 13 * 12 / 2;
+    EXPECT_EQ(summary["pairs"], pairs);
+    const long coarse = summary["pairs_coarse"], refined = summary["pairs_refined"];
+    EXPECT_EQ(coarse + refined, pairs);
+    EXPECT_GT(coarse, pairs / 4);
+    EXPECT_EQ(summary["pairs_computed"], pairs + refined);
+    const json again = json::parse(morphodesic(command("screened", 2)).out);
+    EXPECT_EQ(again["pairs_computed"], 0);
+
+    // Every neighbour of the full study is found, with the same number; estimates are further away.
+    const auto all = rows_of(folder / "full/distances.csv"), some = rows_of(folder / "screened/distances.csv"),
+               sure = rows_of(folder / "screened/distances_refined.csv");
+    ASSERT_EQ(all.size(), 14u);
+    long empty = 0;
+    for (std::size_t r = 1; r < all.size(); ++r) {
+        EXPECT_EQ(nearest(all[r], r, 2), nearest(some[r], r, 2)) << all[r][0];
+        for (std::size_t c = 1; c < all.size(); ++c) {
+            if (sure[r].size() <= c || sure[r][c].empty()) {
+                ++empty;
+                EXPECT_NE(some[r][c], "");
+            } else {
+                EXPECT_EQ(sure[r][c], some[r][c]);
+                EXPECT_EQ(sure[r][c], all[r][c]);
+            }
+        }
+    }
+    EXPECT_EQ(empty, 2 * coarse);
+
+    const auto rows = rows_of(folder / "screened/pairs.csv");
+    const auto column = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin());
+    };
+    long marked = 0;
+    for (std::size_t r = 1; r < rows.size(); ++r) {
+        const bool fine = rows[r][column("refined")] == "1";
+        EXPECT_EQ(rows[r][column("level")], fine ? "5" : "4");
+        EXPECT_EQ(rows[r][column("distance")] == rows[r][column("path_length")], fine);
+        marked += fine ? 0 : 1;
+    }
+    EXPECT_EQ(marked, coarse);
+    const json report = json::parse(read_file(folder / "screened/report.json"));
+    EXPECT_EQ(std::count(report["refined"].begin(), report["refined"].end(), 0), coarse);
+    EXPECT_THAT(report["trust"]["remarks"].dump(), HasSubstr("estimates from coarse grids"));
+    EXPECT_EQ(morphodesic({"verify", (folder / "screened").string(), "--sample", "15"}).code, 0);
+
+    // Back to all pairs: the refined ones are there already.
+    const json back = json::parse(morphodesic(command("screened", 0)).out);
+    EXPECT_EQ(back["pairs_from_store"], refined);
+    EXPECT_EQ(read_file(folder / "screened/distances.csv"), read_file(folder / "full/distances.csv"));
+    EXPECT_FALSE(fs::exists(folder / "screened/distances_refined.csv"));
+}
+
+TEST_F(Neighbours, AStoppedStudyAndShardsGiveTheSameBytes) {
+    ASSERT_EQ(morphodesic(command("undisturbed", 2)).code, 0);
+    const std::string bytes = read_file(folder / "undisturbed/distances.csv");
+    for (const long rows : {5, 40, 80, 90}) {  // in one round after the other
+        BackgroundRun run(command("stopped", 2));
+        for (int i = 0; i < 6000 && stored_rows(folder / "stopped") < rows; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        run.signal(SIGKILL);
+        run.wait();
+    }
+    ASSERT_EQ(morphodesic(command("stopped", 2)).code, 0);
+    EXPECT_EQ(read_file(folder / "stopped/distances.csv"), bytes);
+
+    const std::string study = (folder / "shards").string();
+    std::vector<std::string> ingest = command("shards", 2);
+    ingest[0] = "ingest";
+    const auto paths = std::find(ingest.begin(), ingest.end(), "--paths");
+    ingest.erase(paths, paths + 2);
+    ASSERT_EQ(morphodesic(ingest).code, 0);
+    int rounds = 0;
+    for (json merged = json::object(); rounds < 10 && merged.value("pairs_missing", 1) > 0; ++rounds) {
+        const json planned = json::parse(morphodesic({"plan", study, "--shards", "2", "--json", "--quiet"}).out);
+        EXPECT_GT(planned["pairs"], 0);
+        for (const std::string shard : {"1/2", "2/2"}) {
+            EXPECT_EQ(morphodesic({"shard", study, shard, "--quiet"}).code, 0);
+        }
+        const Outcome done = morphodesic({"merge", study, "--accept-failures", "--json", "--quiet"});
+        EXPECT_EQ(done.code, 0) << done.err;  // a workflow ends well, also if another round follows
+        merged = json::parse(done.out);
+    }
+    EXPECT_GE(rounds, 2);
+    EXPECT_LE(rounds, 3);
+    ASSERT_EQ(morphodesic({"analyze", study, "--quiet"}).code, 0);
+    EXPECT_EQ(read_file(folder / "shards/distances.csv"), bytes);
 }
 
 TEST(Memory, IsSaidBeforeAndLimitsThePairsAtOnce) {

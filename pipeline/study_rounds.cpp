@@ -1,0 +1,105 @@
+#include "pipeline/study_rounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "analysis/distance_matrix.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+std::vector<GeodesicKey> keys_between(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b,
+                                      bool both_directions) {
+    return geodesics_of_pair(a.first, a.second, b.first, b.second, both_directions);
+}
+
+}  // namespace
+
+PairDistance distance_of_pair(const GeodesicRows& rows, const std::vector<GeodesicKey>& keys) {
+    PairDistance pair;
+    std::vector<double> lengths;
+    const auto count = static_cast<double>(keys.size());
+    for (const GeodesicKey& key : keys) {
+        const auto found = rows.find(key);
+        pair.complete = pair.complete && found != rows.end();
+        if (found == rows.end()) continue;
+        const StoredGeodesic& row = found->second;
+        if (pair.problem.empty()) pair.problem = row.problem();
+        pair.distance += row.path_length / count;
+        pair.error += row.error / count;
+        lengths.push_back(row.path_length);
+    }
+    // Two directions that differ by more than their bars say that the bars are too short.
+    if (!lengths.empty()) pair.error = std::max(pair.error, std::abs(lengths.front() - lengths.back()) / 2);
+    return pair;
+}
+
+GeodesicRows rows_of(const ResultStore& store, const GeodesicOptions& options, const ResultStore::OnDamage& on_damage) {
+    GeodesicRows rows;
+    for (StoredGeodesic& row : store.geodesics(settings_hash(options), on_damage)) {
+        GeodesicKey key(row.a, row.b);
+        rows.emplace(std::move(key), std::move(row));
+    }
+    return rows;
+}
+
+DifferentShapes different_shapes(const ResultStore& store) {
+    const std::set<std::string> masked = store.masked_level_sets();
+    DifferentShapes shapes;
+    for (const StoredShape& shape : store.shapes()) {
+        if (!shape.problem.empty() || shape.content_digest.empty()) continue;
+        shapes.emplace(shape.content_digest, masked.contains(shape.content_digest));
+    }
+    return shapes;
+}
+
+std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
+    std::vector<const DifferentShapes::value_type*> order;
+    for (const auto& shape : shapes) order.push_back(&shape);
+    std::set<GeodesicKey> keys;
+    const GeodesicRows& there = rows[screening.level];
+    for (const auto& [i, j] : screening.missing) {
+        for (GeodesicKey& key : keys_between(*order[i], *order[j], both_directions)) {
+            if (!there.contains(key)) keys.insert(std::move(key));
+        }
+    }
+    return keys;
+}
+
+StudyRounds rounds_of(const ResultStore& store, const RunSettings& settings, const ResultStore::OnDamage& on_damage) {
+    StudyRounds rounds;
+    rounds.levels = screening_levels(settings.geodesic, settings.pairs.neighbors);
+    for (const GeodesicOptions& level : rounds.levels) rounds.rows.push_back(rows_of(store, level, on_damage));
+    rounds.shapes = different_shapes(store);
+    if (!rounds.screened()) return rounds;
+    std::vector<const DifferentShapes::value_type*> order;
+    for (const auto& shape : rounds.shapes) order.push_back(&shape);
+    // Asked for several times: by the numbers of the shapes it is found faster than by their digests.
+    const std::size_t n = order.size();
+    std::map<std::string, std::size_t> number;
+    for (std::size_t i = 0; i < n; ++i) number.emplace(order[i]->first, i);
+    std::vector<std::map<std::size_t, PairMeasurement>> known(rounds.levels.size());
+    for (std::size_t level = 0; level < known.size(); ++level) {
+        for (const auto& [key, row] : rounds.rows[level]) {
+            const auto a = number.find(key.first), b = number.find(key.second);
+            if (a == number.end() || b == number.end()) continue;  // of a file that has left the collection
+            const auto [i, j] = std::minmax(a->second, b->second);
+            const auto keys = keys_between(*order[i], *order[j], settings.pairs.both_directions);
+            if (key != keys.front()) continue;
+            const PairDistance pair = distance_of_pair(rounds.rows[level], keys);
+            if (!pair.complete) continue;
+            const bool trusted = pair.problem.empty();
+            known[level].emplace(i * n + j, PairMeasurement{trusted ? pair.distance : analysis::missing, pair.error});
+        }
+    }
+    const Measured measured = [&](std::size_t level, std::size_t i, std::size_t j) -> std::optional<PairMeasurement> {
+        const auto found = known[level].find(i * n + j);
+        return found == known[level].end() ? std::nullopt : std::optional(found->second);
+    };
+    rounds.screening = screen_pairs(order.size(), settings.pairs.neighbors, rounds.levels.size(), measured);
+    return rounds;
+}
+
+}  // namespace morphodesic::pipeline
