@@ -116,6 +116,7 @@ Figure path_figure_of(const GeodesicResult<Dim>& path, const SolidView& view) {
         SolidView sized = view;
         sized.camera.width = 320;
         sized.camera.height = 256;
+        sized.camera.zoom = fitting_zoom(path.shapes, sized.camera);
         const auto draw = [&](const std::vector<RgbaImage>& frames) {
             for (std::size_t k = 0; k < frames.size(); ++k) {
                 const Panel panel = row.panel(k);
@@ -159,6 +160,7 @@ std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder
     } else {
         SolidView sized = view;
         sized.camera.width = sized.camera.height = 256;
+        sized.camera.zoom = fitting_zoom(path.shapes, sized.camera);
         write(folder / names[3], path_animation(path, sized.camera, 17));
     }
     return names;

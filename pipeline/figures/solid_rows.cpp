@@ -44,6 +44,27 @@ SolidView side_view(int pixels, double aspect, double zoom) {
     return view;
 }
 
+double fitting_zoom(const std::vector<LevelSet<3>>& shapes, datasets::View camera) {
+    const datasets::ViewAxes axes = datasets::axes_of(camera);
+    const double shorter = std::min(camera.width, camera.height);
+    double radius = 0.05;  // half width that the shorter side of the picture must show
+    for (const LevelSet<3>& u : shapes) {
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            if (!(u.values[i] > 0)) continue;
+            const Point<3> x = u.grid.position(u.grid.node(i));
+            double right = 0, up = 0;
+            for (std::size_t a = 0; a < 3; ++a) {
+                right += (x[a] - 0.5) * axes.right[a];
+                up += (x[a] - 0.5) * axes.up[a];
+            }
+            radius =
+                std::max({radius, std::abs(right) * shorter / camera.width, std::abs(up) * shorter / camera.height});
+        }
+    }
+    camera.zoom = 1.0;
+    return datasets::view_radius(camera) / (1.12 * radius);
+}
+
 SolidFrames dissipation_pictures(const GeodesicResult<3>& path, const SolidView& view) {
     const auto rates = dissipation_of_steps(path);
     SolidFrames frames;

@@ -19,6 +19,9 @@ namespace morphodesic::pipeline {
 /// are cut along their plane of symmetry.
 [[nodiscard]] SolidView side_view(int pixels, double aspect = 1.0, double zoom = 1.2);
 
+/// The largest zoom at which all the solids are seen whole, with a small margin.
+[[nodiscard]] double fitting_zoom(const std::vector<LevelSet<3>>& shapes, datasets::View camera);
+
 /// Shapes 0 .. K - 1 of a path, coloured by the dissipation of the step that starts there.
 struct SolidFrames {
     std::vector<RgbaImage> frames;
