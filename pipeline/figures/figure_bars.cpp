@@ -91,12 +91,11 @@ Figure figure_bars(const FigureOptions& options) {
     figure.checks.push_back({"length of the finest path against half its steps",
                              rounded(100 * std::abs(fine / coarse - 1), 2) + " %", "within 5 %",
                              std::abs(fine / coarse - 1) < 0.05,
-                             "the steps bend by 285 degrees / K; the error of a chord of 71 degrees (K = 4) is 6 %, of "
-                             "36 degrees 1.6 %"});
-    // The contour is known to half a grid width on each side.
-    const double allowed = 1.0 / (1 << settings.level) / width;
+                             "an independent prototype of this model had 1 % from K = 4 to 8; local minima add to it"});
+    // No contour is known better than to half a grid width.
+    const double allowed = 0.5 / (1 << settings.level) / width;
     const std::string wanted = "within " + rounded(100 * allowed, 2) + " % all along the path",
-                      reason = "h / width of the bar: half a grid width on each side";
+                      reason = "half a grid width against the width of the bar";
     figure.checks.push_back({"inner length of the bar, largest change", rounded(100 * worst_length, 2) + " %", wanted,
                              worst_length < allowed, reason});
     figure.checks.push_back({"width of the bar, largest change", rounded(100 * worst_width, 2) + " %", wanted,
