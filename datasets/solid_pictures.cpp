@@ -74,6 +74,22 @@ std::uint16_t byte(double v) {
 
 }  // namespace
 
+ViewAxes axes_of(const View& view) {
+    const double azimuth = view.azimuth * std::numbers::pi / 180.0,
+                 elevation = view.elevation * std::numbers::pi / 180.0;
+    const auto u = static_cast<std::size_t>(view.up_axis), a = (u + 1) % 3, b = (u + 2) % 3;
+    ViewAxes axes;
+    axes.from[a] = std::cos(elevation) * std::cos(azimuth);
+    axes.from[b] = std::cos(elevation) * std::sin(azimuth);
+    axes.from[u] = std::sin(elevation);
+    axes.right[a] = -std::sin(azimuth);
+    axes.right[b] = std::cos(azimuth);
+    axes.up[a] = -std::sin(elevation) * std::cos(azimuth);
+    axes.up[b] = -std::sin(elevation) * std::sin(azimuth);
+    axes.up[u] = std::cos(elevation);
+    return axes;
+}
+
 PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarField<3>* colour,
                        const ColourRange& range) {
     if (view.width < 16 || view.height < 16 || view.width > 4096 || view.height > 4096 || view.up_axis < 0 ||
@@ -110,17 +126,10 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
     }
     if (grid->activeVoxelCount() == 0) return image;
 
-    const double azimuth = view.azimuth * std::numbers::pi / 180.0,
-                 elevation = view.elevation * std::numbers::pi / 180.0;
-    const int up = view.up_axis, a = (up + 1) % 3, b = (up + 2) % 3;
-    const openvdb::Vec3R centre(0.5, 0.5, 0.5);
-    openvdb::Vec3R from(0.0), above(0.0);
-    from[a] = std::cos(elevation) * std::cos(azimuth);
-    from[b] = std::cos(elevation) * std::sin(azimuth);
-    from[up] = std::sin(elevation);
-    above[up] = 1.0;
-    openvdb::Vec3R right = above.cross(from);
-    right.normalize();
+    const ViewAxes axes = axes_of(view);
+    const openvdb::Vec3R centre(0.5, 0.5, 0.5), from(axes.from.data()), right(axes.right.data());
+    openvdb::Vec3R above(0.0);
+    above[view.up_axis] = 1.0;
     openvdb::Vec3R light = 0.55 * from + 0.65 * from.cross(right) - 0.5 * right;
     light.normalize();
 

@@ -18,6 +18,12 @@ struct View {
     double zoom = 1.0;  ///< 1: the ball of the largest normalised shape fills the picture
 };
 
+/// Directions of a view in the cube, unit vectors: to the right and up in the picture, and towards the viewer.
+struct ViewAxes {
+    std::array<double, 3> right{}, up{}, from{};
+};
+ViewAxes axes_of(const View& view);
+
 /// Colours for values.
 struct ColourRange {
     double low = 0.0, high = 1.0;

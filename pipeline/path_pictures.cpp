@@ -4,33 +4,17 @@
 #include <cmath>
 #include <optional>
 
+#include "geodesic/energy/stored_energy_density.h"
+#include "geodesic/grid/q1_element.h"
+#include "geodesic/solver/path_interpolation.h"
 #include "pipeline/colour_map.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-/// Multilinear value of nodal values at a point; points outside the cube are moved to its boundary.
 template <int Dim>
-double value_at(const DyadicGrid<Dim>& grid, const std::vector<double>& values, const Point<Dim>& x) {
-    typename DyadicGrid<Dim>::Index cell{};
-    Point<Dim> t{};
-    for (int a = 0; a < Dim; ++a) {
-        const double s = std::clamp(x[a], 0.0, 1.0) * grid.cells_per_axis();
-        cell[a] = std::min(static_cast<int>(s), grid.cells_per_axis() - 1);
-        t[a] = s - cell[a];
-    }
-    double sum = 0.0;
-    for (int corner = 0; corner < (1 << Dim); ++corner) {
-        auto node = cell;
-        double weight = 1.0;
-        for (int a = 0; a < Dim; ++a) {
-            const int bit = corner >> a & 1;
-            node[a] += bit;
-            weight *= bit ? t[a] : 1 - t[a];
-        }
-        sum += weight * values[grid.index(node)];
-    }
-    return sum;
+double value_at(const ScalarField<Dim>& field, const Point<Dim>& x) {
+    return q1::value(field.grid, field.values.data(), x);
 }
 
 template <int Dim>
@@ -41,7 +25,7 @@ Point<Dim> gradient_at(const LevelSet<Dim>& u, const Point<Dim>& x) {
         Point<Dim> low = x, high = x;
         low[a] -= h;
         high[a] += h;
-        g[a] = (value_at<Dim>(u.grid, u.values, high) - value_at<Dim>(u.grid, u.values, low)) / (2 * h);
+        g[a] = (value_at<Dim>(u, high) - value_at<Dim>(u, low)) / (2 * h);
     }
     return g;
 }
@@ -64,7 +48,7 @@ struct Hit {
 std::optional<Hit<2>> look(const LevelSet<2>& u, double column, double row, double pixel) {
     Hit<2> hit;
     hit.x = {0.5 + column, 0.5 + row};
-    const double value = value_at<2>(u.grid, u.values, hit.x);
+    const double value = value_at<2>(u, hit.x);
     const double slope = std::max(norm<2>(gradient_at<2>(u, hit.x)), 0.25);
     hit.coverage = std::clamp(0.5 + value / (slope * pixel), 0.0, 1.0);
     if (hit.coverage <= 0) return std::nullopt;
@@ -92,18 +76,6 @@ RgbaImage draw(const LevelSet<Dim>& u, int pixels, const Paint& paint) {
     return image;
 }
 
-/// phi^-1(y) by fixed-point iteration; the steps of a path are small deformations.
-template <int Dim>
-Point<Dim> inverse(const Deformation<Dim>& phi, const Point<Dim>& y) {
-    Point<Dim> x = y;
-    for (int i = 0; i < 20; ++i) {
-        Point<Dim> next = y;
-        for (int a = 0; a < Dim; ++a) next[a] -= value_at<Dim>(phi.grid(), phi.displacement.components[a], x);
-        x = next;
-    }
-    return x;
-}
-
 /// Value below which the given share of the samples lies.
 double quantile(std::vector<double> samples, double share) {
     if (samples.empty()) return 0.0;
@@ -120,7 +92,7 @@ ScalarField<Dim> dissipation_rate(const Deformation<Dim>& phi, double tau, doubl
     ScalarField<Dim> rate(grid);
     for (std::size_t i = 0; i < grid.node_count(); ++i) {
         const auto node = grid.node(i);
-        double gradient[Dim][Dim];
+        std::array<double, Dim * Dim> gradient{};
         for (int b = 0; b < Dim; ++b) {
             auto low = node, high = node;
             low[b] = std::max(node[b] - 1, 0);
@@ -128,51 +100,57 @@ ScalarField<Dim> dissipation_rate(const Deformation<Dim>& phi, double tau, doubl
             const double width = (high[b] - low[b]) * grid.spacing() * tau;
             for (int a = 0; a < Dim; ++a) {
                 const auto& d = phi.displacement.components[a];
-                gradient[a][b] = (d[grid.index(high)] - d[grid.index(low)]) / width;
+                gradient[static_cast<std::size_t>(a * Dim + b)] = (d[grid.index(high)] - d[grid.index(low)]) / width;
             }
         }
-        double trace = 0.0, square = 0.0;
-        for (int a = 0; a < Dim; ++a) {
-            trace += gradient[a][a];
-            for (int b = 0; b < Dim; ++b) {
-                const double strain = 0.5 * (gradient[a][b] + gradient[b][a]);
-                square += strain * strain;
-            }
-        }
-        rate.values[i] = 0.5 * lambda * trace * trace + mu * square;
+        rate.values[i] = morphodesic::dissipation_rate<Dim>(gradient, lambda, mu);
     }
     return rate;
 }
 
 template <int Dim>
-std::vector<ScalarField<Dim>> dissipation_of_frames(const GeodesicResult<Dim>& path) {
+std::vector<ScalarField<Dim>> dissipation_of_steps(const GeodesicResult<Dim>& path) {
     std::vector<ScalarField<Dim>> rates;
-    const std::size_t steps = path.deformations.size();
+    const double tau = 1.0 / static_cast<double>(std::max<std::size_t>(path.deformations.size(), 1));
     for (const Deformation<Dim>& phi : path.deformations) {
-        rates.push_back(dissipation_rate(phi, 1.0 / static_cast<double>(steps), path.options.lambda, path.options.mu));
+        rates.push_back(dissipation_rate(phi, tau, path.options.lambda / path.options.mu, 1.0));
     }
-    if (steps == 0) return rates;
-    const LevelSet<Dim>& end = path.shapes.back();
-    ScalarField<Dim> carried(rates.back().grid);
-    for (std::size_t i = 0; i < carried.values.size(); ++i) {
-        if (end.values[i] < -4 * end.grid.spacing()) continue;  // too far outside for any picture
-        const Point<Dim> y = carried.grid.position(carried.grid.node(i));
-        carried.values[i] =
-            value_at<Dim>(rates.back().grid, rates.back().values, inverse<Dim>(path.deformations.back(), y));
-    }
-    rates.push_back(std::move(carried));
     return rates;
 }
 
 template <int Dim>
-double highest_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates) {
+ScalarField<Dim> carried_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates, double t,
+                              const LevelSet<Dim>& shape) {
+    const double steps = static_cast<double>(path.deformations.size());
+    const auto step = static_cast<std::size_t>(std::clamp(std::ceil(t * steps) - 1, 0.0, steps - 1));
+    const double share = t * steps - static_cast<double>(step);
+    ScalarField<Dim> carried(shape.grid);
+    for (std::size_t i = 0; i < carried.values.size(); ++i) {
+        if (shape.values[i] < -4 * shape.grid.spacing()) continue;  // too far outside for any picture
+        const Point<Dim> y = carried.grid.position(carried.grid.node(i));
+        carried.values[i] = value_at<Dim>(rates[step], inverse_at(path.deformations[step], y, share));
+    }
+    return carried;
+}
+
+template <int Dim>
+std::vector<ScalarField<Dim>> dissipation_of_frames(const GeodesicResult<Dim>& path) {
+    std::vector<ScalarField<Dim>> rates = dissipation_of_steps(path);
+    const std::size_t steps = rates.size();
+    if (steps == 0) return rates;
+    rates.push_back(carried_rate(path, rates, 1.0, path.shapes.back()));
+    return rates;
+}
+
+template <int Dim>
+double upper_end(std::span<const ScalarField<Dim>> fields, const std::vector<LevelSet<Dim>>& shapes, double share) {
     std::vector<double> inside;
-    for (std::size_t k = 0; k + 1 < rates.size(); ++k) {
-        for (std::size_t i = 0; i < rates[k].values.size(); ++i) {
-            if (path.shapes[k].values[i] > 0) inside.push_back(rates[k].values[i]);
+    for (std::size_t k = 0; k < fields.size() && k < shapes.size(); ++k) {
+        for (std::size_t i = 0; i < fields[k].values.size(); ++i) {
+            if (shapes[k].values[i] > 0) inside.push_back(fields[k].values[i]);
         }
     }
-    return quantile(std::move(inside), 0.98);
+    return quantile(std::move(inside), share);
 }
 
 template <>
@@ -184,11 +162,11 @@ template <>
 PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const SolidView&) {
     const std::vector<ScalarField<2>> rates = dissipation_of_frames(path);
     PathPictures pictures;
-    pictures.highest = highest_rate(path, rates);
+    pictures.highest = upper_end<2>(std::span(rates).first(path.deformations.size()), path.shapes);
     const double unit = std::max(pictures.highest, 1e-300);
     for (std::size_t k = 0; k < rates.size(); ++k) {
         pictures.frames.push_back(draw(path.shapes[k], pixels, [&](const Hit<2>& hit) {
-            return dissipation_colour(value_at<2>(rates[k].grid, rates[k].values, hit.x) / unit);
+            return dissipation_colour(value_at<2>(rates[k], hit.x) / unit);
         }));
     }
     return pictures;
@@ -198,7 +176,13 @@ template ScalarField<2> dissipation_rate<2>(const Deformation<2>&, double, doubl
 template ScalarField<3> dissipation_rate<3>(const Deformation<3>&, double, double, double);
 template std::vector<ScalarField<2>> dissipation_of_frames<2>(const GeodesicResult<2>&);
 template std::vector<ScalarField<3>> dissipation_of_frames<3>(const GeodesicResult<3>&);
-template double highest_rate<2>(const GeodesicResult<2>&, const std::vector<ScalarField<2>>&);
-template double highest_rate<3>(const GeodesicResult<3>&, const std::vector<ScalarField<3>>&);
+template std::vector<ScalarField<2>> dissipation_of_steps<2>(const GeodesicResult<2>&);
+template std::vector<ScalarField<3>> dissipation_of_steps<3>(const GeodesicResult<3>&);
+template ScalarField<2> carried_rate<2>(const GeodesicResult<2>&, const std::vector<ScalarField<2>>&, double,
+                                        const LevelSet<2>&);
+template ScalarField<3> carried_rate<3>(const GeodesicResult<3>&, const std::vector<ScalarField<3>>&, double,
+                                        const LevelSet<3>&);
+template double upper_end<2>(std::span<const ScalarField<2>>, const std::vector<LevelSet<2>>&, double);
+template double upper_end<3>(std::span<const ScalarField<3>>, const std::vector<LevelSet<3>>&, double);
 
 }  // namespace morphodesic::pipeline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "datasets/solid_pictures.h"
@@ -33,7 +34,7 @@ struct PathPictures {
 };
 
 /// Colours show the viscous dissipation rate density (1) of [WBRS09], lambda/2 (tr eps)^2 + mu tr eps^2, of the
-/// velocity v = (phi_k - id) / tau, in units of 1/time^2 (mu = 1, the path takes the time 1).
+/// velocity v = (phi_k - id) / tau, in units of mu / time^2 (the path takes the time 1).
 /// Frames of solids have two parts: the shaded view, and below it a slice with stripes of the level set.
 template <int Dim>
 [[nodiscard]] PathPictures path_pictures(const GeodesicResult<Dim>& path, int pixels, const SolidView& view = {});
@@ -43,16 +44,30 @@ template <>
 PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const SolidView& view);
 
 /// Nodal values of that density for one step, eps by central differences of the displacement.
+/// @param lambda, mu  of the dissipation; for values in units of mu: lambda / mu and 1
 template <int Dim>
 [[nodiscard]] ScalarField<Dim> dissipation_rate(const Deformation<Dim>& phi, double tau, double lambda, double mu);
+
+/// That density of every step in units of mu; field k - 1 lives on shape k - 1.
+template <int Dim>
+[[nodiscard]] std::vector<ScalarField<Dim>> dissipation_of_steps(const GeodesicResult<Dim>& path);
 
 /// That density for the frames 0 .. K: of the step that starts there; at the last frame that of the last step, carried
 /// along by it.
 template <int Dim>
 [[nodiscard]] std::vector<ScalarField<Dim>> dissipation_of_frames(const GeodesicResult<Dim>& path);
 
-/// Value below which 98 % of the objects' nodes lie.
+/// The rate of the step in which the time t in [0, 1] lies, carried along to t: where the shape of that time is, and
+/// near.
+/// @param rates  dissipation_of_steps(path)
 template <int Dim>
-[[nodiscard]] double highest_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates);
+[[nodiscard]] ScalarField<Dim> carried_rate(const GeodesicResult<Dim>& path, const std::vector<ScalarField<Dim>>& rates,
+                                            double t, const LevelSet<Dim>& shape);
+
+/// Value below which the given share of the fields' nodes inside the shapes lies: the end of a colour scale. Field k
+/// belongs to shape k; shapes beyond the last field do not count.
+template <int Dim>
+[[nodiscard]] double upper_end(std::span<const ScalarField<Dim>> fields, const std::vector<LevelSet<Dim>>& shapes,
+                               double share = 0.98);
 
 }  // namespace morphodesic::pipeline

@@ -56,6 +56,13 @@ datasets::View sized(datasets::View view, int pixels) {
     return view;
 }
 
+datasets::ColourRange dissipation_range(double high) {
+    return {0.0, high, [](double t) {
+                const Colour c = dissipation_colour(t);
+                return std::array<double, 3>{c[0] / 255.0, c[1] / 255.0, c[2] / 255.0};
+            }};
+}
+
 std::string key_in(const fs::path& folder) {
     std::ifstream in(folder / mark_file);
     std::string key;
@@ -65,27 +72,28 @@ std::string key_in(const fs::path& folder) {
 
 }  // namespace
 
+RgbaImage shaded_picture(const LevelSet<3>& u, const datasets::View& camera, const ScalarField<3>* rate, double high) {
+    return to_rgba(datasets::shaded_view(u, camera, rate, dissipation_range(high)));
+}
+
 template <>
 RgbaImage shape_picture<3>(const LevelSet<3>& u, int pixels, const SolidView& view) {
-    return to_rgba(datasets::shaded_view(u, sized(view.camera, pixels)));
+    return shaded_picture(u, sized(view.camera, pixels));
 }
 
 template <>
 PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const SolidView& view) {
     const std::vector<ScalarField<3>> rates = dissipation_of_frames(path);
     PathPictures pictures;
-    pictures.highest = highest_rate(path, rates);
-    datasets::ColourRange range{0.0, pictures.highest, [](double t) {
-                                    const Colour c = dissipation_colour(t);
-                                    return std::array<double, 3>{c[0] / 255.0, c[1] / 255.0, c[2] / 255.0};
-                                }};
+    pictures.highest = upper_end<3>(std::span(rates).first(path.deformations.size()), path.shapes);
+    const datasets::ColourRange range = dissipation_range(pictures.highest);
     for (std::size_t k = 0; k < rates.size(); ++k) {
-        const auto view_of_frame = datasets::shaded_view(path.shapes[k], sized(view.camera, pixels), &rates[k], range);
+        const RgbaImage solid = shaded_picture(path.shapes[k], sized(view.camera, pixels), &rates[k], pictures.highest);
         const auto slice =
             seen_from(view.camera, view.slice_axis,
                       datasets::slice_picture(path.shapes[k], view.slice_axis, 0.5, pixels, &rates[k], range,
                                               view.camera.up_axis, datasets::view_radius(view.camera)));
-        pictures.frames.push_back(stacked(to_rgba(view_of_frame), to_rgba(slice), 4));
+        pictures.frames.push_back(stacked(solid, to_rgba(slice), 4));
     }
     return pictures;
 }

@@ -14,6 +14,10 @@ namespace morphodesic::pipeline {
 /// The viewpoint for the shapes of one path.
 [[nodiscard]] SolidView view_of_path(const GeodesicResult<3>& path, const std::vector<std::string>& files);
 
+/// Shaded view of a solid, of the camera's size, coloured by a field from 0 to `high` if there is one.
+[[nodiscard]] RgbaImage shaded_picture(const LevelSet<3>& u, const datasets::View& camera,
+                                       const ScalarField<3>* rate = nullptr, double high = 1.0);
+
 /// A text that is equal for equal views: part of the key of stored pictures.
 [[nodiscard]] std::string key_of(const SolidView& view);
 

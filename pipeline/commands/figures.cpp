@@ -66,7 +66,7 @@ int figures(const FiguresOptions& options) {
     Summary summary;
     summary.data["figures"] = nlohmann::ordered_json::array();
     std::vector<Figure> done;
-    bool failed = false;
+    bool failed = false, missed = false;
     for (const FigureKind* kind : kinds) {
         if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
         if (!options.common.quiet) std::cerr << "figure " << kind->key << ": " << kind->title << std::endl;
@@ -85,8 +85,12 @@ int figures(const FiguresOptions& options) {
             entry["checks"] = nlohmann::ordered_json::array();
             std::string line = figure.name + "  " + duration_text(figure.seconds);
             for (const FigureCheck& check : figure.checks) {
-                entry["checks"].push_back(
-                    {{"what", check.what}, {"value", check.value}, {"wanted", check.wanted}, {"met", check.met}});
+                missed = missed || !check.met;
+                entry["checks"].push_back({{"what", check.what},
+                                           {"value", check.value},
+                                           {"wanted", check.wanted},
+                                           {"why", check.reason},
+                                           {"met", check.met}});
                 line += "\n  " + std::string(check.met ? "ok   " : "MISS ") + check.what + ": " + check.value + " (" +
                         check.wanted + ")";
             }
@@ -106,7 +110,7 @@ int figures(const FiguresOptions& options) {
     summary.data["gallery"] = (options.out / "gallery.html").string();
     summary.lines.push_back("gallery  " + (options.out / "gallery.html").string());
     const int code = summary.print(options.common);
-    return failed ? some_failed : code;
+    return failed || missed ? some_failed : code;
 }
 
 }  // namespace morphodesic::pipeline

@@ -93,7 +93,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
             files.insert(files.end(), solids.begin(), solids.end());
         }
         if (problem.empty()) {
-            for (std::string& name : write_pair_pictures(folder.path(), path)) files.push_back(std::move(name));
+            for (std::string& name : write_pair_pictures(folder.path(), path, view)) files.push_back(std::move(name));
         }
         folder.write("geodesic.json",
                      summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

@@ -11,7 +11,8 @@
 
 #include "geodesic/solver/path_interpolation.h"
 #include "pipeline/figures/canvas.h"
-#include "pipeline/figures/path_rows.h"
+#include "pipeline/path_pictures.h"
+#include "pipeline/solid_paths.h"
 
 namespace morphodesic::pipeline {
 
@@ -49,39 +50,56 @@ std::string encode_animation(const std::vector<RgbaImage>& frames, int milliseco
     return bytes;
 }
 
-std::string path_animation(const GeodesicResult<2>& path, int pixels, int frames) {
-    const auto rates = dissipation_rates(path);
-    const double high = upper_end(rates, path.shapes);
-    const auto steps = static_cast<double>(path.deformations.size());
-    const Panel panel{0, 0, static_cast<double>(pixels), static_cast<double>(pixels), {0.5, 0.5}, 0.8};
+namespace {
+
+/// Frames at equal times, frame(t, shape at t, its rate) -> picture, there and back.
+template <int Dim, class Frame>
+std::string animated(const GeodesicResult<Dim>& path, int frames, const Frame& frame) {
+    const auto rates = dissipation_of_steps(path);
+    const double high = upper_end<Dim>(rates, path.shapes);
     std::vector<RgbaImage> images;
     for (int i = 0; i < frames; ++i) {
         const double t = static_cast<double>(i) / std::max(frames - 1, 1);
-        const LevelSet<2> u = shape_at(path, t);
-        const double scaled = std::min(t * steps, steps - 1e-9);
-        const auto step = static_cast<std::size_t>(scaled);
-        const double share = scaled - static_cast<double>(step);
+        const LevelSet<Dim> u = shape_at(path, t);
+        images.push_back(frame(u, carried_rate(path, rates, t, u), high));
+    }
+    for (int i = frames - 2; i > 0; --i) images.push_back(images[static_cast<std::size_t>(i)]);
+    return encode_animation(images, 60);
+}
+
+RgbaImage on_white(RgbaImage image) {
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+        const double alpha = image.pixels[i + 3] / 255.0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            image.pixels[i + c] = static_cast<unsigned char>(std::lround(255 + alpha * (image.pixels[i + c] - 255.0)));
+        }
+        image.pixels[i + 3] = 255;
+    }
+    return image;
+}
+
+}  // namespace
+
+std::string path_animation(const GeodesicResult<2>& path, int pixels, int frames) {
+    const Panel panel{0, 0, static_cast<double>(pixels), static_cast<double>(pixels), {0.5, 0.5}, 0.8};
+    return animated(path, frames, [&](const LevelSet<2>& u, const ScalarField<2>& rate, double high) {
         RgbaImage image(pixels, pixels);
         oneapi::tbb::parallel_for(0, pixels, [&](int row) {
             for (int column = 0; column < pixels; ++column) {
                 const Point<2> x = panel.back(column + 0.5, row + 0.5);
                 const double coverage = std::clamp(0.5 + sample(u, x) * panel.scale(), 0.0, 1.0);
-                Colour c{255, 255, 255};
-                if (coverage > 0) {
-                    // The material at x has the rate of the place it had at the beginning of the step.
-                    const Point<2> from = inverse_at(path.deformations[step], x, share);
-                    const Colour inside = dissipation_colour(sample(rates[step], from) / high);
-                    for (std::size_t a = 0; a < 3; ++a) {
-                        c[a] = static_cast<unsigned char>(std::lround(255 + coverage * (inside[a] - 255.0)));
-                    }
-                }
-                image.set(column, row, {c[0], c[1], c[2], 255});
+                const Colour c = dissipation_colour(sample(rate, x) / high);
+                image.set(column, row, {c[0], c[1], c[2], static_cast<unsigned char>(std::lround(255 * coverage))});
             }
         });
-        images.push_back(std::move(image));
-    }
-    for (int i = frames - 2; i > 0; --i) images.push_back(images[static_cast<std::size_t>(i)]);
-    return encode_animation(images, 60);
+        return on_white(std::move(image));
+    });
+}
+
+std::string path_animation(const GeodesicResult<3>& path, const datasets::View& camera, int frames) {
+    return animated(path, frames, [&](const LevelSet<3>& u, const ScalarField<3>& rate, double high) {
+        return on_white(shaded_picture(u, camera, &rate, high));
+    });
 }
 
 }  // namespace morphodesic::pipeline

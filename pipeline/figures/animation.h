@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/solid_pictures.h"
 #include "geodesic/discrete_geodesic.h"
 #include "pipeline/png.h"
 
@@ -15,5 +16,6 @@ namespace morphodesic::pipeline {
 
 /// A path there and back, at `frames` times by (8), on white, coloured by its dissipation.
 [[nodiscard]] std::string path_animation(const GeodesicResult<2>& path, int pixels, int frames);
+[[nodiscard]] std::string path_animation(const GeodesicResult<3>& path, const datasets::View& camera, int frames);
 
 }  // namespace morphodesic::pipeline

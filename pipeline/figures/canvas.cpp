@@ -104,6 +104,7 @@ void colour_bar(reports::Svg& svg, double x, double y, double width, const Colou
     constexpr int steps = 128;
     std::vector<std::string> colours;
     for (int i = 0; i < steps; ++i) colours.push_back(hex(map(static_cast<double>(i) / (steps - 1))));
+    if (!(high > low)) high = low + 1;  // nothing moves
     svg.text(x + width / 2, y, title, 11, "middle");
     svg.image(x, y + 9, width, 10, reports::raster_png(steps, 1, colours), true);
     svg.rect(x, y + 9, width, 10, "none", "#5b6573");
@@ -112,19 +113,6 @@ void colour_bar(reports::Svg& svg, double x, double y, double width, const Colou
         svg.line(scale(v), y + 19, scale(v), y + 22, "#5b6573");
         svg.text(scale(v), y + 29, reports::short_number(v), 9, "middle");
     }
-}
-
-double upper_end(const std::vector<ScalarField<2>>& fields, const std::vector<LevelSet<2>>& shapes, double share) {
-    std::vector<double> inside;
-    for (std::size_t k = 0; k < fields.size() && k < shapes.size(); ++k) {
-        for (std::size_t i = 0; i < fields[k].values.size(); ++i) {
-            if (shapes[k].values[i] > 0) inside.push_back(fields[k].values[i]);
-        }
-    }
-    if (inside.empty()) return 1.0;
-    const auto at = inside.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(inside.size() - 1));
-    std::nth_element(inside.begin(), at, inside.end());
-    return std::max(*at, 1e-300);
 }
 
 Colour level_line_colour(double u, double width) {

@@ -49,10 +49,6 @@ void colour_bar(reports::Svg& svg, double x, double y, double width, const Colou
 
 /// A value of a nodal field.
 [[nodiscard]] double sample(const ScalarField<2>& field, const Point<2>& x);
-/// Value below which the given share of the field lies inside the shapes: the end of a colour scale.
-[[nodiscard]] double upper_end(const std::vector<ScalarField<2>>& fields, const std::vector<LevelSet<2>>& shapes,
-                               double share = 0.98);
-
 /// Level-line texture: bands of u of the given width, light and dark by turns with a soft edge; object and background
 /// in different colours, so that both the contour and the level lines are seen in grey print.
 [[nodiscard]] Colour level_line_colour(double u, double width);

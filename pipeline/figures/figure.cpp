@@ -44,8 +44,8 @@ std::string rounded(double value, int digits) {
 
 GeodesicOptions FigureOptions::geodesic(int dimension) const {
     GeodesicOptions o;
-    o.level = dimension == 2 ? (quick ? 5 : 7) : (quick ? 4 : 6);
-    o.time_steps = quick ? 4 : 8;
+    o.level = dimension == 2 ? (quick ? 5 : 7) : (quick ? 5 : 6);
+    o.time_steps = quick ? (dimension == 2 ? 4 : 2) : 8;
     o.tolerance = quick ? 3e-3 : 1e-3;
     if (dimension == 3) o.tolerance = quick ? 1e-2 : 3e-3;
     o.align = "none";

@@ -29,6 +29,7 @@ struct FigureCheck {
     std::string value;   ///< what came out
     std::string wanted;  ///< what it is held against
     bool met = false;
+    std::string reason{};  ///< why that limit: from the paper or the model, not from what came out
 };
 
 struct FigureFile {

@@ -66,15 +66,15 @@ Figure figure_bars(const FigureOptions& options) {
         }
         row.y += 84;
     }
-    const auto rates = dissipation_rates(paths.back());
+    const auto rates = dissipation_of_steps(paths.back());
     std::vector<LevelSet<2>> bodies = paths.back().shapes;
-    const double high = upper_end(rates, bodies);
+    const double high = upper_end<2>(rates, bodies);
     // The paper shows the dissipation on O_1 .. O_{K-1}; O_0 is shown, too, since a step starts there.
     draw_dissipation(svg, row, paths.back(), rates, high);
     svg.text(24, row.y + 40, "dissi-", 11, "middle");
     svg.text(24, row.y + 53, "pation", 11, "middle");
     colour_bar(svg, 30 + 52.0 * static_cast<double>(columns) - 200, row.y + 94, 400, dissipation_colour, 0, high,
-               "viscous dissipation rate density (1), mu per squared path time");
+               dissipation_title);
     figure.svg = svg.document(figure.title);
 
     std::string lengths;
@@ -90,13 +90,16 @@ Figure figure_bars(const FigureOptions& options) {
     const double coarse = paths[paths.size() - 2].path_length, fine = paths.back().path_length;
     figure.checks.push_back({"length of the finest path against half its steps",
                              rounded(100 * std::abs(fine / coarse - 1), 2) + " %", "within 5 %",
-                             std::abs(fine / coarse - 1) < 0.05});
-    const double allowed = options.quick ? 0.15 : 0.05;
-    const std::string wanted = "within " + rounded(100 * allowed) + " % all along the path";
+                             std::abs(fine / coarse - 1) < 0.05,
+                             "an independent prototype of this model had 1 % from K = 4 to 8; local minima add to it"});
+    // No contour is known better than to half a grid width.
+    const double allowed = 0.5 / (1 << settings.level) / width;
+    const std::string wanted = "within " + rounded(100 * allowed, 2) + " % all along the path",
+                      reason = "half a grid width against the width of the bar";
     figure.checks.push_back({"inner length of the bar, largest change", rounded(100 * worst_length, 2) + " %", wanted,
-                             worst_length < allowed});
-    figure.checks.push_back(
-        {"width of the bar, largest change", rounded(100 * worst_width, 2) + " %", wanted, worst_width < allowed});
+                             worst_length < allowed, reason});
+    figure.checks.push_back({"width of the bar, largest change", rounded(100 * worst_width, 2) + " %", wanted,
+                             worst_width < allowed, reason});
     return figure;
 }
 

@@ -7,6 +7,8 @@
 #include "geodesic/grid/measures.h"
 #include "pipeline/figures/solid_rows.h"
 #include "pipeline/path_pictures.h"
+#include "pipeline/solid_paths.h"
+#include "reports/text.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -39,9 +41,18 @@ void add_numbers(FigureTable& table, const std::string& name, const DistanceMatr
     }
 }
 
+/// Light (near) to dark (far).
+Colour distance_colour(double share) {
+    const std::string text = reports::viridis(1 - 0.9 * share);
+    Colour colour{};
+    for (std::size_t c = 0; c < 3; ++c)
+        colour[c] = static_cast<unsigned char>(std::stoi(text.substr(1 + 2 * c, 2), nullptr, 16));
+    return colour;
+}
+
 /// Light to dark with the distance, one picture per row and column, the numbers in the cells, the tree on the right.
 void draw_matrix(reports::Svg& svg, double x, double y, double cell, const DistanceMatrix& matrix,
-                 const std::vector<std::string>& pictures) {
+                 const std::vector<std::string>& pictures, const std::string& unit) {
     double high = 0;
     for (const double d : matrix.condensed()) high = std::max(high, d);
     const std::size_t n = matrix.size();
@@ -51,7 +62,7 @@ void draw_matrix(reports::Svg& svg, double x, double y, double cell, const Dista
         svg.image(x + cell + at, y, cell, cell, pictures[i]);
         for (std::size_t j = 0; j < n; ++j) {
             const double t = matrix(i, j) / high;
-            svg.rect(x + cell * static_cast<double>(j + 1), y + cell + at, cell, cell, reports::viridis(1 - 0.9 * t),
+            svg.rect(x + cell * static_cast<double>(j + 1), y + cell + at, cell, cell, hex(distance_colour(t)),
                      "#ffffff");
             if (i != j) {
                 svg.text(x + cell * (static_cast<double>(j) + 1.5), y + cell + at + cell / 2, rounded(matrix(i, j), 2),
@@ -70,14 +81,23 @@ void draw_matrix(reports::Svg& svg, double x, double y, double cell, const Dista
         svg.polyline({a, {px, a.second}, {px, b.second}, b}, "#3c4757", 1.4);
         tip.emplace_back(px, 0.5 * (a.second + b.second));
     }
-    svg.text(x0 + depth / 2, y + cell - 8, "average linkage", 10, "middle");
+    svg.text(x0 + depth / 2, y + cell - 26, "average linkage", 10, "middle");
+    const reports::Scale height{0, high, x0, x0 + depth};
+    const double axis = y + cell * static_cast<double>(n + 1) + 4;
+    svg.line(x0, axis, x0 + depth, axis, "#8b95a3");
+    for (const double v : reports::ticks(0, high, 3)) {
+        svg.line(height(v), axis, height(v), axis + 4, "#8b95a3");
+        svg.text(height(v), axis + 11, reports::short_number(v), 9, "middle");
+    }
+    colour_bar(svg, x + cell, axis + 14, cell * static_cast<double>(n), distance_colour, 0, high,
+               "path length, " + unit);
 }
 
 std::string picture_of(const LevelSet<2>& u) {
     return encode_png(shape_picture<2>(u, 160));
 }
 std::string picture_of(const LevelSet<3>& u) {
-    return encode_png(solid_picture(u, 240));
+    return encode_png(shaded_picture(u, side_view(240).camera));
 }
 
 double farthest(const DistanceMatrix& m, const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
@@ -155,12 +175,12 @@ Figure figure_matrices(const FigureOptions& options) {
     const DistanceMatrix of_feet = distances_of<3>(foot_labels, feet, in_3d, figure.checks);
     add_numbers(figure.numbers, "feet", of_feet);
 
-    reports::Svg svg(980, 440);
+    reports::Svg svg(980, 500);
     std::vector<std::string> pictures, foot_pictures;
     for (const auto& u : letters) pictures.push_back(picture_of(u));
     for (const auto& u : feet) foot_pictures.push_back(picture_of(u));
-    draw_matrix(svg, 10, 10, 52, of_letters, pictures);
-    draw_matrix(svg, 545, 60, 64, of_feet, foot_pictures);
+    draw_matrix(svg, 10, 10, 52, of_letters, pictures, "length of the unit square");
+    draw_matrix(svg, 545, 60, 64, of_feet, foot_pictures, "length^1.5 of the unit cube");
     figure.svg = svg.document(figure.title);
     figure.caption =
         "Left: letters (path length, unit: length of the unit square), level " + std::to_string(settings.level) +
@@ -173,25 +193,30 @@ Figure figure_matrices(const FigureOptions& options) {
     const double between = nearest(of_letters, b, x);
     const double mean_bx = mean(of_letters, b, x), mean_m = mean(of_letters, bx, m);
     figure.checks.push_back({"largest distance within Bs and within Xs", rounded(inside, 3),
-                             "below the least between Bs and Xs: " + rounded(between, 3), inside < between});
+                             "below the least between Bs and Xs: " + rounded(between, 3), inside < between,
+                             "the paper: Bs and Xs form clusters"});
     figure.checks.push_back({"mean distance of M from the others", rounded(mean_m, 3),
-                             "above the mean between Bs and Xs: " + rounded(mean_bx, 3), mean_m > mean_bx});
+                             "above the mean between Bs and Xs: " + rounded(mean_bx, 3), mean_m > mean_bx,
+                             "the paper: the two clusters are closer to each other than M"});
     const auto tree = analysis::linkage(of_letters, analysis::LinkageMethod::average);
     const auto clusters = analysis::cut_by_count(tree, 3);
     const bool right = clusters == analysis::Clustering{0, 0, 0, 1, 1, 1, 2};
     figure.checks.push_back({"three clusters of the letters; cophenetic correlation",
                              rounded(analysis::cophenetic_correlation(tree, of_letters), 3),
                              "Bs, Xs and M apart; above 0.9",
-                             right && analysis::cophenetic_correlation(tree, of_letters) > 0.9});
+                             right && analysis::cophenetic_correlation(tree, of_letters) > 0.9,
+                             "0.9 is the usual mark of a tree that fits its distances very well"});
     const std::vector<std::size_t> three{0, 1, 2}, fourth{3};
     figure.checks.push_back({"least distance of the fourth foot", rounded(nearest(of_feet, three, fourth), 3),
                              "above the largest among the others: " + rounded(farthest(of_feet, three, three), 3),
-                             nearest(of_feet, three, fourth) > farthest(of_feet, three, three)});
+                             nearest(of_feet, three, fourth) > farthest(of_feet, three, three),
+                             "the paper: the fourth is significantly farther from the others"});
     figure.checks.push_back(
         {"volumes of feet 2 and 3 against 1 and 4",
          rounded(100 * (volumes[1] / volumes[0] - 1), 3) + " %, " + rounded(100 * (volumes[2] / volumes[3] - 1), 3) +
              " %",
-         "-13 %", std::abs(volumes[1] / volumes[0] - 0.87) < 1e-3 && std::abs(volumes[3] / volumes[0] - 1) < 1e-3});
+         "-13 %", std::abs(volumes[1] / volumes[0] - 0.87) < 1e-3 && std::abs(volumes[3] / volumes[0] - 1) < 1e-3,
+         "as the paper's feet"});
     return figure;
 }
 

@@ -3,19 +3,17 @@
 #include <cmath>
 
 #include "geodesic/grid/measures.h"
+#include "pipeline/figures/animation.h"
 #include "pipeline/figures/solid_rows.h"
+#include "pipeline/solid_paths.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr const char* dissipation_title = "viscous dissipation rate density (1), mu per squared path time";
-
-/// @param larger  than the panels; what reaches into the neighbours is transparent
-void draw_frames(reports::Svg& svg, const Row& row, const std::vector<RgbaImage>& frames, double larger = 1.0) {
+void draw_frames(reports::Svg& svg, const Row& row, const std::vector<RgbaImage>& frames) {
     for (std::size_t k = 0; k < frames.size(); ++k) {
         const Panel panel = row.panel(k);
-        const double side = larger * panel.width, back = 0.5 * (side - panel.width);
-        svg.image(panel.x - back, panel.y - back, side, side, encode_png(frames[k]));
+        svg.image(panel.x, panel.y, panel.width, panel.height, encode_png(frames[k]));
     }
 }
 
@@ -32,24 +30,25 @@ Figure figure_letters_and_solids(const FigureOptions& options) {
     add_path_numbers(figure.numbers, "A to B", letters);
     add_path_numbers(figure.numbers, "cat to lion", animals);
     const std::size_t shapes = letters.shapes.size();
-    reports::Svg svg(20 + 124.0 * static_cast<double>(shapes), 700);
-    Row row{10, 0, 120, 4, 0.78, {0.5, 0.5}, 1.0};
-    const int pixels = options.quick ? 120 : 360;
+    reports::Svg svg(20 + 124.0 * static_cast<double>(shapes), 672);
+    Row row{10, 8, 120, 4, 0.78, {0.5, 0.5}, 0.72};
+    const SolidView view = side_view(options.quick ? 120 : 360, row.aspect);
     std::vector<RgbaImage> bodies;
-    for (const auto& u : animals.shapes) bodies.push_back(solid_picture(u, pixels));
-    draw_frames(svg, row, bodies, 1.35);
-    row.y += 108;
-    const SolidFrames coloured = dissipation_pictures(animals, pixels);
-    draw_frames(svg, row, coloured.frames, 1.35);
-    row.y += 122;
+    for (const auto& u : animals.shapes) bodies.push_back(shaded_picture(u, view.camera));
+    draw_frames(svg, row, bodies);
+    row.y += 92;
+    const SolidFrames coloured = dissipation_pictures(animals, view);
+    draw_frames(svg, row, coloured.frames);
+    row.y += 100;
+    row.aspect = 1.0;
     const double middle = 0.5 * (20 + 124.0 * static_cast<double>(shapes));
     colour_bar(svg, middle - 200, row.y, 400, dissipation_colour, 0, coloured.highest,
                std::string("cat to lion: ") + dissipation_title);
     row.y += 46;
     draw_shapes(svg, row, letters.shapes, "#565f6c");
     row.y += 122;
-    const auto rates = dissipation_rates(letters);
-    const double high = upper_end(rates, letters.shapes);
+    const auto rates = dissipation_of_steps(letters);
+    const double high = upper_end<2>(rates, letters.shapes);
     draw_dissipation(svg, row, letters, rates, high);
     row.y += 124;
     draw_level_lines(svg, row, letters, 0.02);
@@ -65,11 +64,13 @@ Figure figure_letters_and_solids(const FigureOptions& options) {
         solved("A to B", letters),
         solved("cat to lion", animals),
         {"Euler numbers of A and B", std::to_string(first) + ", " + std::to_string(last),
-         "0 (one hole) and -1 (two holes): the topology changes on the way", first == 0 && last == -1},
+         "0 (one hole) and -1 (two holes): the topology changes on the way", first == 0 && last == -1,
+         "that is what A and B are"},
         {"Euler numbers of cat and lion",
          std::to_string(measure(animals.shapes.front()).euler) + ", " +
              std::to_string(measure(animals.shapes.back()).euler),
-         "1: no tunnels", measure(animals.shapes.front()).euler == 1 && measure(animals.shapes.back()).euler == 1}};
+         "1: no tunnels", measure(animals.shapes.front()).euler == 1 && measure(animals.shapes.back()).euler == 1,
+         "an animal on four legs is a ball to topology"}};
     return figure;
 }
 
@@ -84,29 +85,34 @@ Figure figure_sliced_solids(const FigureOptions& options) {
     const std::size_t columns = (shapes + 1) / 2;
     const int pixels = options.quick ? 160 : 520;
     const double width = 20 + 204.0 * static_cast<double>(columns);
-    reports::Svg svg(width, 720);
-    Row row{10, 0, 200, 4, 0.8, {0.5, 0.5}, 1.0};
-    const SolidFrames coloured = dissipation_pictures(animals, pixels);
-    std::vector<RgbaImage> cut;
-    for (const auto& u : animals.shapes) cut.push_back(cut_picture(u, pixels, 0.02));
-    const auto lines = [&](const std::vector<RgbaImage>& frames, std::size_t count, double larger) {
+    Row row{10, 8, 200, 4, 0.8, {0.5, 0.5}, 0.72};
+    constexpr double cut_aspect = 0.86;
+    const auto lines_of = [&](std::size_t count) { return static_cast<double>((count + columns - 1) / columns); };
+    reports::Svg svg(width, 70 + lines_of(shapes - 1) * (row.aspect * row.cell + 4) +
+                                lines_of(shapes) * (cut_aspect * row.cell + 4));
+    const auto lines = [&](const std::vector<RgbaImage>& frames, std::size_t count) {
         for (std::size_t from = 0; from < count; from += columns) {
             draw_frames(svg, row,
                         {frames.begin() + static_cast<std::ptrdiff_t>(from),
-                         frames.begin() + static_cast<std::ptrdiff_t>(std::min(from + columns, count))},
-                        larger);
-            row.y += 162;
+                         frames.begin() + static_cast<std::ptrdiff_t>(std::min(from + columns, count))});
+            row.y += row.aspect * row.cell + 4;
         }
     };
-    lines(coloured.frames, shapes - 1, 1.3);
+    const SolidFrames coloured = dissipation_pictures(animals, side_view(pixels, row.aspect));
+    lines(coloured.frames, shapes - 1);
     row.y += 14;
     colour_bar(svg, width / 2 - 200, row.y, 400, dissipation_colour, 0, coloured.highest, dissipation_title);
-    row.y += 32;
-    lines(cut, shapes, 1.0);
+    row.y += 44;
+    row.aspect = cut_aspect;
+    lines(cut_pictures(animals.shapes, side_view(pixels, row.aspect), level_lines_in_plane(0.02)), shapes);
+    figure.files.push_back({"figure-6.webp", path_animation(animals, side_view(options.quick ? 96 : 360, 0.72).camera,
+                                                            options.quick ? 5 : 25)});
     figure.svg = svg.document(figure.title);
     figure.caption =
         "Top: shapes 0 to K - 1 coloured by the rate of dissipation of their step. Bottom: shapes 0 to K cut "
-        "along the plane of symmetry; bands of u of width 0.02 in the plane, half transparent outside. " +
+        "along the plane of symmetry; bands of u of width 0.02 in the plane, half transparent outside; the solids are "
+        "cut "
+        "there. The animation shows the shapes between the steps, too, by (6)-(8). " +
         path_summary(animals) + ".";
     double shortest = 1e300, longest = 0;
     for (const double e : animals.deformation_energy) {
@@ -115,7 +121,8 @@ Figure figure_sliced_solids(const FigureOptions& options) {
     }
     figure.checks = {solved("cat to lion", animals),
                      {"longest step against the shortest", rounded(longest / shortest, 3),
-                      "below 2: walked at an even pace", longest < 2 * shortest}};
+                      "below 1.5: walked at an even pace", longest < 1.5 * shortest,
+                      "the minimiser of a sum of squares has equal steps; a step of 1.5 would cost 25 % more energy"}};
     return figure;
 }
 

@@ -59,11 +59,12 @@ std::string gallery_page(const std::vector<Figure>& figures, bool quick) {
                 page += "<p><img src=\"" + file.name + "\" alt=\"" + escape_markup(file.name) + "\"></p>\n";
             }
         }
-        page += "<table><tr><th>quantity</th><th>value</th><th>wanted</th><th></th></tr>\n";
+        page += "<table><tr><th>quantity</th><th>value</th><th>wanted</th><th></th><th>why</th></tr>\n";
         for (const FigureCheck& check : figure.checks) {
             page += "<tr><td>" + escape_markup(check.what) + "</td><td>" + escape_markup(check.value) + "</td><td>" +
                     escape_markup(check.wanted) + "</td><td>" +
-                    (check.met ? "met" : "<span class=\"miss\">not met</span>") + "</td></tr>\n";
+                    (check.met ? "met" : "<span class=\"miss\">not met</span>") + "</td><td>" +
+                    escape_markup(check.reason) + "</td></tr>\n";
         }
         page += "</table>\n<p class=\"time\">Computed in " + escape_markup(duration_text(figure.seconds)) +
                 ". <a href=\"" + figure.name + ".png\">PNG</a> <a href=\"" + figure.name + ".svg\">SVG</a> <a href=\"" +

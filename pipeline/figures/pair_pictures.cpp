@@ -8,13 +8,12 @@
 #include "geodesic/solver/path_interpolation.h"
 #include "pipeline/figures/animation.h"
 #include "pipeline/figures/solid_rows.h"
+#include "pipeline/solid_paths.h"
 #include "pipeline/store_error.h"
 #include "reports/figures.h"
 
 namespace morphodesic::pipeline {
 namespace {
-
-constexpr const char* dissipation_title = "viscous dissipation rate density (1), mu per squared path time";
 
 /// Lines of a regular grid, carried along by a deformation, inside a panel.
 void draw_grid(reports::Svg& svg, const Panel& panel, const Deformation<2>& phi) {
@@ -76,49 +75,70 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
 }  // namespace
 
 template <int Dim>
-Figure path_figure_of(const GeodesicResult<Dim>& path) {
+Figure path_figure_of(const GeodesicResult<Dim>& path, const SolidView& view) {
     Figure figure;
     figure.name = "path";
     figure.title = "Discrete geodesic, path length " + rounded(path.path_length);
     add_path_numbers(figure.numbers, "path", path);
     const std::size_t shapes = path.shapes.size();
-    const double cell = Dim == 2 ? 120 : 200, width = std::max(20 + (cell + 4) * static_cast<double>(shapes), 560.0);
-    reports::Svg svg(width, Dim == 2 ? 4 * (cell + 4) + 220 : 3 * (cell * 0.8 + 4) + 240);
-    Row row{10, 8, cell, 4, 0.92, {0.5, 0.5}, 1.0};
+    const double cell = Dim == 2 ? 120 : 200, left = 86,
+                 width = std::max(left + 10 + (cell + 4) * static_cast<double>(shapes), 620.0);
+    reports::Svg svg(width, Dim == 2 ? 4 * (cell + 4) + 250 : 4 * (0.8 * cell + 4) + 270);
+    Row row{left, 8, cell, 4, 0.92, {0.5, 0.5}, Dim == 2 ? 1.0 : 0.8};
+    const auto name = [&](const char* first, const char* second = "") {
+        const double middle = row.y + 0.5 * row.aspect * cell;
+        svg.text(6, *second != 0 ? middle - 7 : middle, first, 11);
+        svg.text(6, middle + 8, second, 11);
+    };
     if constexpr (Dim == 2) {
-        const auto rates = dissipation_rates(path);
-        const double high = upper_end(rates, path.shapes);
+        const auto rates = dissipation_of_steps(path);
+        const double high = upper_end<2>(rates, path.shapes);
+        name("shapes");
         draw_shapes(svg, row, path.shapes, "#565f6c");
         row.y += cell + 4;
+        name("dissipation");
         draw_dissipation(svg, row, path, rates, high);
         row.y += cell + 8;
         colour_bar(svg, width / 2 - 200, row.y, 400, dissipation_colour, 0, high, dissipation_title);
-        row.y += 36;
+        row.y += 40;
+        name("level lines,", "every 0.02");
         draw_level_lines(svg, row, path, 0.02);
         row.y += cell + 4;
+        name("deformed", "grid");
         for (std::size_t k = 0; k < shapes; ++k) {
             const Panel panel = row.panel(k);
             fill_shape(svg, panel, path.shapes[k], "#d9dee5");
             draw_grid(svg, panel, deformation_at(path, static_cast<double>(k) / static_cast<double>(shapes - 1)));
             outline_shape(svg, panel, path.shapes[k], "#1b2430", 1.2);
         }
-        row.y += cell + 22;
+        row.y += cell + 26;
     } else {
-        constexpr int pixels = 320;
-        const SolidFrames coloured = dissipation_pictures(path, pixels);
-        for (std::size_t k = 0; k < shapes; ++k) {
-            const Panel panel = row.panel(k);
-            const double step = 0.8 * cell;
-            const auto frame = [&](double y, const RgbaImage& image) {
-                svg.image(panel.x, y, panel.width, panel.width, encode_png(image));
-            };
-            frame(row.y - 20, solid_picture(path.shapes[k], pixels));
-            if (k + 1 < shapes) frame(row.y - 20 + step, coloured.frames[k]);
-            frame(row.y + 20 + 2 * step, cut_picture(path.shapes[k], pixels, 0.02));
-        }
-        colour_bar(svg, width / 2 - 200, row.y + 1.9 * 0.8 * cell, 400, dissipation_colour, 0, coloured.highest,
-                   dissipation_title);
-        row.y += 3 * 0.8 * cell + 70;
+        SolidView sized = view;
+        sized.camera.width = 320;
+        sized.camera.height = 256;
+        sized.camera.zoom = fitting_zoom(path.shapes, sized.camera);
+        const auto draw = [&](const std::vector<RgbaImage>& frames) {
+            for (std::size_t k = 0; k < frames.size(); ++k) {
+                const Panel panel = row.panel(k);
+                svg.image(panel.x, panel.y, panel.width, panel.height, encode_png(frames[k]));
+            }
+            row.y += 0.8 * cell + 4;
+        };
+        std::vector<RgbaImage> bodies;
+        for (const LevelSet<3>& u : path.shapes) bodies.push_back(shaded_picture(u, sized.camera));
+        name("shapes");
+        draw(bodies);
+        const SolidFrames coloured = dissipation_pictures(path, sized);
+        name("dissipation");
+        draw(coloured.frames);
+        row.y += 10;
+        colour_bar(svg, width / 2 - 200, row.y, 400, dissipation_colour, 0, coloured.highest, dissipation_title);
+        row.y += 40;
+        name("level lines,", "every 0.02");
+        draw(cut_pictures(path.shapes, sized, level_lines_in_plane(0.02)));
+        name("deformed", "grid");
+        draw(cut_pictures(path.shapes, sized, grid_in_plane(path, sized.slice_axis, 0.05)));
+        row.y += 24;
     }
     draw_steps(svg, 10, row.y, std::min(0.5 * (width - 60), 380.0), path);
     figure.svg = svg.document(figure.title);
@@ -128,22 +148,29 @@ Figure path_figure_of(const GeodesicResult<Dim>& path) {
 }
 
 template <int Dim>
-std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder, const GeodesicResult<Dim>& path) {
-    const Figure figure = path_figure_of(path);
-    std::vector<std::string> names{"path.png", "path.svg", "path.csv"};
+std::vector<std::string> write_pair_pictures(const std::filesystem::path& folder, const GeodesicResult<Dim>& path,
+                                             const SolidView& view) {
+    const Figure figure = path_figure_of(path, view);
+    std::vector<std::string> names{"path.png", "path.svg", "path.csv", "path.webp"};
     write(folder / names[0], reports::svg_to_png(figure.svg, figure.png_width));
     write(folder / names[1], figure.svg);
     write(folder / names[2], figure.numbers.csv());
     if constexpr (Dim == 2) {
-        write(folder / "path.webp", path_animation(path, 256, 25));
-        names.emplace_back("path.webp");
+        write(folder / names[3], path_animation(path, 256, 25));
+    } else {
+        SolidView sized = view;
+        sized.camera.width = sized.camera.height = 256;
+        sized.camera.zoom = fitting_zoom(path.shapes, sized.camera);
+        write(folder / names[3], path_animation(path, sized.camera, 17));
     }
     return names;
 }
 
-template Figure path_figure_of<2>(const GeodesicResult<2>&);
-template Figure path_figure_of<3>(const GeodesicResult<3>&);
-template std::vector<std::string> write_pair_pictures<2>(const std::filesystem::path&, const GeodesicResult<2>&);
-template std::vector<std::string> write_pair_pictures<3>(const std::filesystem::path&, const GeodesicResult<3>&);
+template Figure path_figure_of<2>(const GeodesicResult<2>&, const SolidView&);
+template Figure path_figure_of<3>(const GeodesicResult<3>&, const SolidView&);
+template std::vector<std::string> write_pair_pictures<2>(const std::filesystem::path&, const GeodesicResult<2>&,
+                                                         const SolidView&);
+template std::vector<std::string> write_pair_pictures<3>(const std::filesystem::path&, const GeodesicResult<3>&,
+                                                         const SolidView&);
 
 }  // namespace morphodesic::pipeline

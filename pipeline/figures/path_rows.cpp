@@ -44,16 +44,6 @@ LevelSet<2> letter_shape(const std::string& character, const std::string& font, 
     return shape;
 }
 
-template <int Dim>
-std::vector<ScalarField<Dim>> dissipation_rates(const GeodesicResult<Dim>& path) {
-    std::vector<ScalarField<Dim>> rates;
-    for (const Deformation<Dim>& phi : path.deformations) {
-        rates.push_back(dissipation_rate(phi, 1.0 / static_cast<double>(path.deformations.size()), path.options.lambda,
-                                         path.options.mu));
-    }
-    return rates;
-}
-
 void draw_dissipation(reports::Svg& svg, const Row& row, const GeodesicResult<2>& path,
                       const std::vector<ScalarField<2>>& rates, double high) {
     for (std::size_t k = 0; k < rates.size(); ++k) {
@@ -74,6 +64,32 @@ void draw_shapes(reports::Svg& svg, const Row& row, const std::vector<LevelSet<2
     for (std::size_t k = 0; k < shapes.size(); ++k) fill_shape(svg, row.panel(k), shapes[k], fill);
 }
 
+std::string paths_with_dissipation(const std::string& title, const std::vector<LabelledPath>& paths, double span) {
+    std::vector<ScalarField<2>> all;
+    std::vector<LevelSet<2>> bodies;
+    std::vector<std::vector<ScalarField<2>>> rates;
+    for (const LabelledPath& labelled : paths) {
+        rates.push_back(dissipation_of_steps(*labelled.path));
+        all.insert(all.end(), rates.back().begin(), rates.back().end());
+        bodies.insert(bodies.end(), labelled.path->shapes.begin(), labelled.path->shapes.end() - 1);
+    }
+    const double high = upper_end<2>(all, bodies);
+    const double width = 90 + 104.0 * static_cast<double>(paths.front().path->shapes.size());
+    reports::Svg svg(width, 60 + 216.0 * static_cast<double>(paths.size()));
+    Row row{80, 8, 100, 4, span, {0.5, 0.5}, 1.0};
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        for (std::size_t line = 0; line < paths[i].words.size(); ++line) {
+            svg.text(8, row.y + 45 + 15 * static_cast<double>(line), paths[i].words[line], 11);
+        }
+        draw_shapes(svg, row, paths[i].path->shapes, "#565f6c");
+        row.y += 104;
+        draw_dissipation(svg, row, *paths[i].path, rates[i], high);
+        row.y += 112;
+    }
+    colour_bar(svg, 0.5 * width - 200, row.y + 6, 400, dissipation_colour, 0, high, dissipation_title);
+    return svg.document(title);
+}
+
 template <int Dim>
 std::string path_summary(const GeodesicResult<Dim>& path) {
     return "length " + rounded(path.path_length) + " (error bar " + rounded(path.error, 2) + "), path energy " +
@@ -84,7 +100,8 @@ std::string path_summary(const GeodesicResult<Dim>& path) {
 template <int Dim>
 FigureCheck solved(const std::string& what, const GeodesicResult<Dim>& path) {
     return {what + ": solve", std::string(to_string(path.termination)) + ", least det " + rounded(path.min_det, 2),
-            "converged, det > 0 everywhere", path.termination == Termination::converged && path.min_det > 0};
+            "converged, det > 0 everywhere", path.termination == Termination::converged && path.min_det > 0,
+            "only a solve that ended by itself is a geodesic, and (2) asks for one-to-one deformations"};
 }
 
 template <int Dim>
@@ -121,8 +138,6 @@ void add_path_numbers(FigureTable& table, const std::string& name, const Geodesi
     }
 }
 
-template std::vector<ScalarField<2>> dissipation_rates<2>(const GeodesicResult<2>&);
-template std::vector<ScalarField<3>> dissipation_rates<3>(const GeodesicResult<3>&);
 template std::string path_summary<2>(const GeodesicResult<2>&);
 template std::string path_summary<3>(const GeodesicResult<3>&);
 template FigureCheck solved<2>(const std::string&, const GeodesicResult<2>&);

@@ -6,6 +6,7 @@
 #include "geodesic/discrete_geodesic.h"
 #include "pipeline/figures/canvas.h"
 #include "pipeline/figures/figure.h"
+#include "pipeline/path_pictures.h"
 
 namespace morphodesic::pipeline {
 
@@ -18,10 +19,6 @@ namespace morphodesic::pipeline {
 /// @throws std::invalid_argument without the font
 [[nodiscard]] LevelSet<2> letter_shape(const std::string& character, const std::string& font,
                                        const GeodesicOptions& options, double area = 0.0);
-
-/// Nodal dissipation rate (1) of every step, v = (phi_k - id) / tau; field k - 1 lives on shape k - 1.
-template <int Dim>
-[[nodiscard]] std::vector<ScalarField<Dim>> dissipation_rates(const GeodesicResult<Dim>& path);
 
 /// Panels side by side, one per shape of a path, in the figure from (x, y) on.
 struct Row {
@@ -41,6 +38,18 @@ void draw_dissipation(reports::Svg& svg, const Row& row, const GeodesicResult<2>
 void draw_level_lines(reports::Svg& svg, const Row& row, const GeodesicResult<2>& path, double band);
 /// Shapes 0 .. K as areas.
 void draw_shapes(reports::Svg& svg, const Row& row, const std::vector<LevelSet<2>>& shapes, const std::string& fill);
+
+/// A path with the words on its left.
+struct LabelledPath {
+    std::vector<std::string> words;
+    const GeodesicResult<2>* path = nullptr;
+};
+/// For each path the shapes and below them their dissipation, with one colour bar for all; the whole document.
+[[nodiscard]] std::string paths_with_dissipation(const std::string& title, const std::vector<LabelledPath>& paths,
+                                                 double span);
+
+/// Title of the colour bar of the dissipation.
+inline constexpr const char* dissipation_title = "viscous dissipation rate density (1), mu per squared path time";
 
 /// "length 0.347 (+- 0.01), min det 0.4": what a path amounts to, for captions.
 template <int Dim>

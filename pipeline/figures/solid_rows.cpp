@@ -5,26 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "datasets/normalize.h"
 #include "datasets/voxelize.h"
 #include "geodesic/grid/q1_element.h"
-#include "pipeline/path_pictures.h"
+#include "geodesic/solver/path_interpolation.h"
+#include "pipeline/solid_paths.h"
 
 namespace morphodesic::pipeline {
-namespace {
-
-double value(const LevelSet<3>& u, const Point<3>& x) {
-    return q1::value(u.grid, u.values.data(), x);
-}
-
-bool in_cube(const Point<3>& x) {
-    return std::all_of(x.begin(), x.end(), [](double c) { return c >= 0 && c <= 1; });
-}
-
-}  // namespace
-
 LevelSet<3> solid_shape(const datasets::GeneratedSolid& solid, double scale, int level) {
     datasets::TriangleMesh mesh = solid.mesh;
     const datasets::Vector3 centre = datasets::volume_centroid(mesh);
@@ -46,137 +34,129 @@ double fitting_scale(const std::vector<datasets::GeneratedSolid>& solids) {
     return datasets::common_scale(radii);
 }
 
-namespace {
-
-/// Parallel rays of the pictures of solids: from the front right and above, z up.
-struct Camera {
-    Point<3> right{0.8660254037844387, 0.5, 0}, forward, up;
-    double pixel;
-
-    explicit Camera(int pixels) : pixel(2 * picture_radius / pixels) {
-        constexpr double c = 0.8660254037844387, s = 0.5, c2 = 0.9396926207859084, s2 = 0.3420201433325687;
-        forward = {-s * c2, c * c2, -s2};
-        up = {-s * s2, c * s2, c2};
-    }
-    [[nodiscard]] Point<3> at(double across, double high, double depth) const {
-        Point<3> x{};
-        for (std::size_t a = 0; a < 3; ++a) x[a] = 0.5 + across * right[a] + high * up[a] + depth * forward[a];
-        return x;
-    }
-};
-
-/// First point of the surface on a ray from `from` on, and how bright it is.
-struct Surface {
-    Point<3> x{};
-    double brightness = 1.0;
-};
-
-std::optional<Surface> surface_on_ray(const LevelSet<3>& u, const Camera& camera, double across, double high,
-                                      double from) {
-    const double step = 0.5 * u.grid.spacing();
-    double before = -1.0;
-    for (double depth = from; depth < 0.75; depth += step) {
-        Point<3> x = camera.at(across, high, depth);
-        const double now = in_cube(x) ? value(u, x) : -1.0;
-        if (now >= 0 && before < 0 && depth > from) {
-            x = camera.at(across, high, depth - step * now / (now - before));
-            Point<3> g{};
-            double length = 0;
-            for (std::size_t a = 0; a < 3; ++a) {
-                Point<3> low = x, top = x;
-                low[a] -= step;
-                top[a] += step;
-                g[a] = value(u, top) - value(u, low);
-                length += g[a] * g[a];
-            }
-            length = std::max(std::sqrt(length), 1e-12);
-            double light = 0;  // from the upper left behind the viewer; the normal is against grad u
-            for (std::size_t a = 0; a < 3; ++a) {
-                light -= g[a] / length * (0.55 * camera.up[a] - 0.35 * camera.right[a] - 0.75 * camera.forward[a]);
-            }
-            return Surface{x, 0.45 + 0.55 * std::max(light, 0.0)};
-        }
-        before = now;
-    }
-    return std::nullopt;
+SolidView side_view(int pixels, double aspect, double zoom) {
+    SolidView view;
+    view.camera.azimuth = -60;
+    view.camera.width = pixels;
+    view.camera.height = static_cast<int>(std::lround(aspect * pixels));
+    view.camera.zoom = zoom / aspect;  // as wide as a square picture, without its empty strips
+    view.slice_axis = 1;
+    return view;
 }
 
-/// Calls paint(across, high) -> rgba for every pixel, places in units of the cube from the middle.
-template <class Paint>
-RgbaImage drawn(int pixels, const Paint& paint) {
-    RgbaImage image(pixels, pixels);
-    const double pixel = 2 * picture_radius / pixels;
-    oneapi::tbb::parallel_for(0, pixels, [&](int row) {
-        for (int column = 0; column < pixels; ++column) {
-            const std::array<double, 4> c =
-                paint((column + 0.5) * pixel - picture_radius, picture_radius - (row + 0.5) * pixel);
-            std::array<unsigned char, 4> rgba{};
+double fitting_zoom(const std::vector<LevelSet<3>>& shapes, datasets::View camera) {
+    const datasets::ViewAxes axes = datasets::axes_of(camera);
+    const double shorter = std::min(camera.width, camera.height);
+    double radius = 0.05;  // half width that the shorter side of the picture must show
+    for (const LevelSet<3>& u : shapes) {
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            if (!(u.values[i] > 0)) continue;
+            const Point<3> x = u.grid.position(u.grid.node(i));
+            double right = 0, up = 0;
             for (std::size_t a = 0; a < 3; ++a) {
-                rgba[a] = static_cast<unsigned char>(std::lround(std::clamp(c[a], 0.0, 255.0)));
+                right += (x[a] - 0.5) * axes.right[a];
+                up += (x[a] - 0.5) * axes.up[a];
             }
-            rgba[3] = static_cast<unsigned char>(std::lround(255 * std::clamp(c[3], 0.0, 1.0)));
-            image.set(column, row, rgba);
-        }
-    });
-    return image;
-}
-
-}  // namespace
-
-RgbaImage solid_picture(const LevelSet<3>& u, int pixels, const ScalarField<3>* rate, double high_rate) {
-    const Camera camera(pixels);
-    return drawn(pixels, [&](double across, double high) -> std::array<double, 4> {
-        const auto hit = surface_on_ray(u, camera, across, high, -0.75);
-        if (!hit) return {};
-        Colour c{150, 170, 205};
-        if (rate != nullptr) c = dissipation_colour(value(*rate, hit->x) / high_rate);
-        return {c[0] * hit->brightness, c[1] * hit->brightness, c[2] * hit->brightness, 1.0};
-    });
-}
-
-SolidFrames dissipation_pictures(const GeodesicResult<3>& path, int pixels) {
-    const auto rates = dissipation_rates(path);
-    std::vector<double> inside;
-    for (std::size_t k = 0; k < rates.size(); ++k) {
-        for (std::size_t i = 0; i < rates[k].values.size(); ++i) {
-            if (path.shapes[k].values[i] > 0) inside.push_back(rates[k].values[i]);
+            radius =
+                std::max({radius, std::abs(right) * shorter / camera.width, std::abs(up) * shorter / camera.height});
         }
     }
+    camera.zoom = 1.0;
+    return datasets::view_radius(camera) / (1.12 * radius);
+}
+
+SolidFrames dissipation_pictures(const GeodesicResult<3>& path, const SolidView& view) {
+    const auto rates = dissipation_of_steps(path);
     SolidFrames frames;
-    if (!inside.empty()) {
-        const auto at = inside.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(inside.size() - 1));
-        std::nth_element(inside.begin(), at, inside.end());
-        frames.highest = std::max(*at, 1e-300);
-    }
+    frames.highest = upper_end<3>(rates, path.shapes);
     for (std::size_t k = 0; k < rates.size(); ++k) {
-        frames.frames.push_back(solid_picture(path.shapes[k], pixels, &rates[k], frames.highest));
+        frames.frames.push_back(shaded_picture(path.shapes[k], view.camera, &rates[k], frames.highest));
     }
     return frames;
 }
 
-RgbaImage cut_picture(const LevelSet<3>& u, int pixels, double band) {
-    const Camera camera(pixels);
-    return drawn(pixels, [&](double across, double high) {
-        const double depth = -(across * camera.right[1] + high * camera.up[1]) / camera.forward[1];  // where y = 1/2
-        std::array<double, 4> colour{};
-        if (const auto hit = surface_on_ray(u, camera, across, high, depth)) {
-            colour = {150 * hit->brightness, 170 * hit->brightness, 205 * hit->brightness, 1.0};
+std::vector<RgbaImage> cut_pictures(const std::vector<LevelSet<3>>& shapes, const SolidView& view,
+                                    const PlaneColour& plane) {
+    const datasets::ViewAxes axes = datasets::axes_of(view.camera);
+    const auto across = static_cast<std::size_t>(view.slice_axis);
+    const double side = axes.from[across] < 0 ? 1.0 : -1.0;  // the half away from the viewer stays
+    const double width =
+        2 * datasets::view_radius(view.camera) * view.camera.width / std::min(view.camera.width, view.camera.height);
+    const double pixel = width / view.camera.width;
+    // The plane reaches a little beyond the shapes.
+    Point<3> reach{};
+    for (const LevelSet<3>& u : shapes) {
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            if (!(u.values[i] > 0)) continue;
+            const Point<3> x = u.grid.position(u.grid.node(i));
+            for (std::size_t a = 0; a < 3; ++a) reach[a] = std::max(reach[a], std::abs(x[a] - 0.5) + 0.06);
         }
-        const Point<3> p = camera.at(across, high, depth);
-        if (std::abs(p[0] - 0.5) < 0.40 && std::abs(p[2] - 0.5) < 0.30) {
-            const double here = value(u, p) / camera.pixel;  // in pixels
-            const Colour lines = level_line_colour(value(u, p), band);
-            const double alpha = 0.45 + 0.55 * std::clamp(0.5 + here, 0.0, 1.0);
-            const double rim = std::clamp(1.6 - std::abs(here), 0.0, 1.0);  // the contour as a dark line
-            const double total = alpha + (1 - alpha) * colour[3];
-            for (std::size_t a = 0; a < 3; ++a) {
-                const double front = (1 - rim) * lines[a] + rim * 27.0;
-                colour[a] = (alpha * front + (1 - alpha) * colour[3] * colour[a]) / total;
+    }
+    std::vector<RgbaImage> pictures;
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+        const LevelSet<3>& u = shapes[k];
+        LevelSet<3> half = u;
+        for (std::size_t i = 0; i < half.values.size(); ++i) {
+            const double beyond = side * (half.grid.position(half.grid.node(i))[across] - 0.5);
+            half.values[i] = std::min(half.values[i], beyond);
+        }
+        RgbaImage image = shaded_picture(half, view.camera);
+        if (std::abs(axes.from[across]) < 0.1) {  // the plane is seen from its edge
+            pictures.push_back(std::move(image));
+            continue;
+        }
+        oneapi::tbb::parallel_for(0, image.height, [&](int row) {
+            for (int column = 0; column < image.width; ++column) {
+                const double right = (column + 0.5 - 0.5 * image.width) * pixel;
+                const double up = (0.5 * image.height - row - 0.5) * pixel;
+                const double depth = -(right * axes.right[across] + up * axes.up[across]) / axes.from[across];
+                Point<3> x{};
+                bool on_plane = true;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    x[a] = 0.5 + right * axes.right[a] + up * axes.up[a] + depth * axes.from[a];
+                    on_plane = on_plane && (a == across || std::abs(x[a] - 0.5) < reach[a]);
+                }
+                if (!on_plane) continue;
+                const double value = q1::value(u.grid, u.values.data(), x), in_pixels = value / pixel;
+                const Colour colour = plane(k, x, value);
+                const double alpha = 0.45 + 0.55 * std::clamp(0.5 + in_pixels, 0.0, 1.0);
+                const double rim = std::clamp(1.6 - std::abs(in_pixels), 0.0, 1.0);  // the contour as a dark line
+                auto* behind = image.pixels.data() + 4 * (static_cast<std::size_t>(row) * image.width + column);
+                const double covered = (1 - alpha) * behind[3] / 255.0, total = alpha + covered;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    const double front = (1 - rim) * colour[a] + rim * 27.0;
+                    behind[a] = static_cast<unsigned char>(std::lround((alpha * front + covered * behind[a]) / total));
+                }
+                behind[3] = static_cast<unsigned char>(std::lround(255 * total));
             }
-            colour[3] = total;
+        });
+        pictures.push_back(std::move(image));
+    }
+    return pictures;
+}
+
+PlaneColour level_lines_in_plane(double band) {
+    return [band](std::size_t, const Point<3>&, double u) { return level_line_colour(u, band); };
+}
+
+PlaneColour grid_in_plane(const GeodesicResult<3>& path, int slice_axis, double spacing) {
+    return [&path, slice_axis, spacing](std::size_t k, const Point<3>& x, double u) {
+        Point<3> start = x;
+        for (std::size_t step = k; step > 0; --step) start = inverse_at(path.deformations[step - 1], start);
+        double line = 0.0;  // lines are a twelfth of their distance wide
+        for (int a = 0; a < 3; ++a) {
+            if (a == slice_axis) continue;
+            const double cells = (start[static_cast<std::size_t>(a)] - 0.5) / spacing;
+            const double off = std::abs(cells - std::round(cells));
+            line = std::max(line, std::clamp(1.5 - off * 24, 0.0, 1.0));
+        }
+        const Colour ground = u > 0 ? Colour{226, 206, 186} : Colour{236, 240, 244};
+        Colour colour{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            colour[c] = static_cast<unsigned char>(std::lround((1 - 0.65 * line) * ground[c]));
         }
         return colour;
-    });
+    };
 }
 
 const GeodesicResult<3>& quadruped_path(const FigureOptions& options) {

@@ -107,43 +107,56 @@ Point<3> great_circle_point(const Point<3>& a, const Point<3>& b, double t) {
     return {wa * a[0] + wb * b[0], wa * a[1] + wb * b[1], wa * a[2] + wb * b[2]};
 }
 
-SpherePath relax(const StereographicMap& map, std::vector<Point<2>> points, double tolerance) {
+SpherePath relax(const StereographicMap& map, std::vector<Point<2>> points, const RelaxationStop& stop) {
     SpherePath path;
     const std::size_t steps = points.size() - 1;
-    for (double moved = steps > 1 ? 2 * tolerance : 0.0; moved > tolerance;) {
-        moved = 0.0;
+    std::vector<Point<3>> exact;
+    const Point<3> a = map.to_sphere(points.front()), b = map.to_sphere(points.back());
+    for (std::size_t k = 0; k <= steps; ++k) {
+        exact.push_back(great_circle_point(a, b, static_cast<double>(k) / static_cast<double>(steps)));
+    }
+    const auto deviation = [&] {
+        double largest = 0.0;
+        for (std::size_t k = 1; k < steps; ++k) {
+            largest = std::max(largest, great_circle_distance(map.to_sphere(points[k]), exact[k]));
+        }
+        return largest;
+    };
+    const bool by_distance = stop.measure == RelaxationStop::Measure::distance;
+    // At least two sweeps, which take the corners away that a refined path has.
+    double open = 2 * stop.tolerance;
+    for (int sweep = 0; steps > 1 && (sweep < 2 || open > stop.tolerance); ++sweep) {
+        double moved = 0.0;
         for (std::size_t k = 1; k < steps; ++k) {
             const Point<2> x = relaxed(points[k - 1], points[k], points[k + 1]);
             moved = std::max(moved, std::sqrt(chord(points[k], x)));
             points[k] = x;
             ++path.relaxation_steps;
         }
+        open = by_distance ? deviation() : moved;
     }
-    const Point<3> a = map.to_sphere(points.front()), b = map.to_sphere(points.back());
     for (std::size_t k = 1; k <= steps; ++k) {
         path.energy += static_cast<double>(steps) * chord(points[k - 1], points[k]);
         path.length += great_circle_distance(map.to_sphere(points[k - 1]), map.to_sphere(points[k]));
-        const Point<3> ideal = great_circle_point(a, b, static_cast<double>(k) / static_cast<double>(steps));
-        path.largest_deviation =
-            std::max(path.largest_deviation, great_circle_distance(map.to_sphere(points[k]), ideal));
     }
+    path.largest_deviation = deviation();
     path.points = std::move(points);
     return path;
 }
 
 SpherePath single_level_geodesic(const StereographicMap& map, const Point<2>& a, const Point<2>& b, int steps,
-                                 double tolerance) {
+                                 const RelaxationStop& stop) {
     std::vector<Point<2>> points;
     for (int k = 0; k <= steps; ++k) {
         const double t = static_cast<double>(k) / steps;
         points.push_back({(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]});
     }
-    return relax(map, std::move(points), tolerance);
+    return relax(map, std::move(points), stop);
 }
 
 std::vector<SpherePath> cascadic_geodesics(const StereographicMap& map, const Point<2>& a, const Point<2>& b, int steps,
-                                           double tolerance) {
-    std::vector<SpherePath> levels{relax(map, {a, b}, tolerance)};
+                                           const RelaxationStop& stop) {
+    std::vector<SpherePath> levels{relax(map, {a, b}, stop)};
     while (static_cast<int>(levels.back().points.size()) - 1 < steps) {
         const auto& coarse = levels.back().points;
         std::vector<Point<2>> fine;
@@ -152,7 +165,11 @@ std::vector<SpherePath> cascadic_geodesics(const StereographicMap& map, const Po
             fine.push_back({0.5 * (coarse[k][0] + coarse[k + 1][0]), 0.5 * (coarse[k][1] + coarse[k + 1][1])});
         }
         fine.push_back(coarse.back());
-        levels.push_back(relax(map, std::move(fine), tolerance));
+        RelaxationStop here = stop;
+        if (stop.measure == RelaxationStop::Measure::distance) {
+            here.tolerance *= static_cast<double>(fine.size() - 1) / steps;
+        }
+        levels.push_back(relax(map, std::move(fine), here));
     }
     return levels;
 }

@@ -35,20 +35,30 @@ struct SpherePath {
     double largest_deviation = 0.0;  ///< largest distance of a point from its place k/K on the great circle, radians
 };
 
+/// When a relaxation ends; lengths on the sphere, radians.
+struct RelaxationStop {
+    enum class Measure {
+        move,      ///< no vertex moves by more in a sweep; says little where many small moves add up
+        distance,  ///< no vertex is farther from its place in the exact discrete geodesic, k/K on the great circle
+    };
+    Measure measure = Measure::move;
+    double tolerance = 1e-6;
+};
+
 /// Nonlinear Gauss-Seidel: vertex after vertex is put where the sum of the squared distances to its two neighbours is
-/// least, the others fixed, until no vertex moves by more than `tolerance` on the sphere in a sweep.
-/// by one Newton step in the coordinates of the plane, halved until it lowers the sum.
+/// least, the others fixed, by one Newton step in the coordinates of the plane, halved until it lowers the sum.
 /// @param points  start x_0 .. x_K; the ends stay
-SpherePath relax(const StereographicMap& map, std::vector<Point<2>> points, double tolerance);
+SpherePath relax(const StereographicMap& map, std::vector<Point<2>> points, const RelaxationStop& stop);
 
 /// All K at once from the straight line in the map.
 SpherePath single_level_geodesic(const StereographicMap& map, const Point<2>& a, const Point<2>& b, int steps,
-                                 double tolerance);
+                                 const RelaxationStop& stop);
 
 /// K = 1, 2, 4, ..., steps: each path starts from the one before with points put in the middle (on the map). One entry
-/// per K; relaxation_steps of an entry are those of its own level.
+/// per K; relaxation_steps of an entry are those of its own level. A stop by distance is K / steps times as strict on
+/// the coarse levels: exactness is cheap there and handed on.
 std::vector<SpherePath> cascadic_geodesics(const StereographicMap& map, const Point<2>& a, const Point<2>& b, int steps,
-                                           double tolerance);
+                                           const RelaxationStop& stop);
 
 /// Angle between two points of the unit sphere, radians.
 double great_circle_distance(const Point<3>& a, const Point<3>& b);

@@ -49,7 +49,7 @@ TEST(PairPictures, FilesAreWrittenInBothDimensions) {
         EXPECT_GT(std::filesystem::file_size(folder / name), 50U) << name;
     }
     const auto names = write_pair_pictures(folder.path(), growing_ball<3>(4));
-    EXPECT_EQ(names.size(), 3U);
+    EXPECT_EQ(names.size(), 4U);
     for (const std::string& name : names) EXPECT_GT(std::filesystem::file_size(folder / name), 50U) << name;
     EXPECT_EQ(tests::file_content(folder / "path.png").substr(1, 3), "PNG");
 }
