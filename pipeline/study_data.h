@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnostics.h"
 #include "analysis/distance_matrix.h"
 #include "pipeline/result_store.h"
 #include "pipeline/run_settings.h"
@@ -33,6 +34,8 @@ struct StudyData {
     std::vector<StudyFailure> failures;
     long pairs_missing = 0;            ///< not computed yet
     std::vector<std::string> remarks;  ///< e.g. damaged rows
+    bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
+    std::vector<analysis::DirectedPair> given_directions;  ///< of a table that is not symmetric
 
     [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
 };
