@@ -33,13 +33,13 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
     return shape;
 }
 
-/// Largest distance of a shape from the centre of the cube along an axis, and a little air.
+/// Largest distance of a shape from the centre of the cube along an axis.
 double reach_of(const LevelSet<2>& u) {
     double reach = 0.1;
     for (std::size_t k = 0; k < u.values.size(); ++k) {
         if (u.values[k] <= 0.0) continue;
         const Point<2> x = u.grid.position(u.grid.node(k));
-        for (const double c : x) reach = std::max(reach, std::abs(c - 0.5) + 0.02);
+        for (const double c : x) reach = std::max(reach, std::abs(c - 0.5));
     }
     return std::min(reach, 0.5);
 }
@@ -67,7 +67,9 @@ void add_thumbnails(const StudyData& data, const ResultStore& store, const Solid
         tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
             reach[i] = reach_of(store.level_set<2>(data.shapes[kept[i]].content_digest));
         });
-        drawn_pixels = static_cast<int>(thumbnail_pixels / (2.0 * *std::max_element(reach.begin(), reach.end())));
+        // A sixth of air around the largest shape; never smaller than the usual picture.
+        const double window = 1.15 * *std::max_element(reach.begin(), reach.end());
+        drawn_pixels = std::max(thumbnail_pixels, static_cast<int>(thumbnail_pixels * picture_radius / window));
     }
     tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
         const StoredShape& row = data.shapes[kept[i]];
