@@ -20,7 +20,7 @@ double parse_distance(std::string_view cell, const std::string& source, std::siz
     const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
     while (!cell.empty() && is_space(cell.front())) cell.remove_prefix(1);
     while (!cell.empty() && is_space(cell.back())) cell.remove_suffix(1);
-    if (cell.empty()) return missing;
+    if (cell.empty() || cell == "NA" || cell == "NaN" || cell == "nan") return missing;
     std::string_view digits = cell;
     if (digits.front() == '+') digits.remove_prefix(1);
     double value = 0.0;
@@ -126,6 +126,10 @@ DistanceMatrix read_distance_csv(std::istream& in, const std::string& source, co
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = i + 1; j < n; ++j) {
             const double a = upper[matrix.index(i, j)], b = lower[matrix.index(i, j)];
+            if (options.both_ways != nullptr && std::isnan(a) != std::isnan(b)) {  // one direction is known
+                matrix.set(i, j, std::isnan(a) ? b : a);
+                continue;
+            }
             const bool differ =
                 std::isnan(a) != std::isnan(b) || std::abs(a - b) > options.asymmetry_tolerance * std::max(a, b);
             if (differ) {
@@ -133,8 +137,10 @@ DistanceMatrix read_distance_csv(std::istream& in, const std::string& source, co
                 throw ParseError(source, line_of_row[j], i + 2,
                                  "the table is not symmetric: " + show(b) + " here, " + show(a) + " in line " +
                                      std::to_string(line_of_row[i]) + ", column " + std::to_string(j + 2),
-                                 "write the same distance on both sides, for example the mean");
+                                 "write the same distance on both sides, or say that both directions are given: "
+                                 "--asymmetric");
             }
+            if (options.both_ways != nullptr && a != b) options.both_ways->push_back({i, j, a, b});
             matrix.set(i, j, a == b ? a : a + 0.5 * (b - a));
         }
     }

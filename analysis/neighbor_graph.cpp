@@ -32,25 +32,44 @@ SparseGraph sparse_graph(std::size_t n, const std::vector<std::pair<std::size_t,
     return {boost::edges_are_unsorted_multi_pass, arcs.begin(), arcs.end(), lengths.begin(), n};
 }
 
-}  // namespace
-
-std::vector<Edge> minimum_spanning_tree(const DistanceMatrix& distances) {
-    const std::size_t n = distances.size();
+/// Spanning forest of smallest length (Kruskal), in no particular order.
+std::vector<Edge> spanning_forest(std::size_t n, const std::vector<Edge>& edges) {
     std::vector<std::pair<std::size_t, std::size_t>> arcs;
     std::vector<Length> lengths;
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i + 1; j < n; ++j) {
-            if (!distances.known(i, j)) continue;
-            arcs.emplace_back(i, j);
-            lengths.push_back({distances(i, j)});
-        }
+    arcs.reserve(edges.size());
+    lengths.reserve(edges.size());
+    for (const Edge& e : edges) {
+        arcs.emplace_back(e.first, e.second);
+        lengths.push_back({e.length});
     }
     const SparseGraph graph = sparse_graph(n, arcs, lengths);
     std::vector<boost::graph_traits<SparseGraph>::edge_descriptor> tree;
     boost::kruskal_minimum_spanning_tree(graph, std::back_inserter(tree),
                                          boost::weight_map(boost::get(&Length::length, graph)));
+    std::vector<Edge> forest;
+    for (const auto& e : tree) forest.push_back({boost::source(e, graph), boost::target(e, graph), graph[e].length});
+    return forest;
+}
+
+}  // namespace
+
+std::vector<Edge> minimum_spanning_tree(const DistanceMatrix& distances) {
+    // An edge that is not in the forest of some of the edges is not in that of all of them. So blocks of rows, whose
+    // heaps fit into the cache, leave few edges for the last round.
+    const std::size_t n = distances.size(), rows = 16, blocks = (n + rows - 1) / rows;
+    std::vector<std::vector<Edge>> parts(blocks);
+    parallel_for_each_index(blocks, 1, [&](std::size_t b) {
+        std::vector<Edge> edges;
+        for (std::size_t i = b * rows; i < std::min(n, (b + 1) * rows); ++i) {
+            for (std::size_t j = i + 1; j < n; ++j) {
+                if (distances.known(i, j)) edges.push_back({i, j, distances(i, j)});
+            }
+        }
+        parts[b] = spanning_forest(n, edges);
+    });
     std::vector<Edge> edges;
-    for (const auto& e : tree) edges.push_back({boost::source(e, graph), boost::target(e, graph), graph[e].length});
+    for (const std::vector<Edge>& part : parts) edges.insert(edges.end(), part.begin(), part.end());
+    edges = spanning_forest(n, edges);
     std::sort(edges.begin(), edges.end(),
               [](const Edge& a, const Edge& b) { return a.length != b.length ? a.length < b.length : by_items(a, b); });
     return edges;

@@ -1,5 +1,7 @@
 #include "analysis/smacof.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +36,7 @@ public:
                 keyed.push_back({given_[i * n_ + j], {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)}});
             }
         }
-        std::sort(keyed.begin(), keyed.end(), [](const Keyed& p, const Keyed& q) {
+        tbb::parallel_sort(keyed.begin(), keyed.end(), [](const Keyed& p, const Keyed& q) {
             return p.d != q.d ? p.d < q.d : std::pair(p.pair.i, p.pair.j) < std::pair(q.pair.i, q.pair.j);
         });
         order_.reserve(keyed.size());

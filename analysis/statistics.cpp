@@ -1,5 +1,7 @@
 #include "analysis/statistics.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,7 +59,7 @@ std::vector<double> ranks(std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (!std::isnan(values[i])) order.emplace_back(values[i], i);
     }
-    std::sort(order.begin(), order.end());
+    tbb::parallel_sort(order.begin(), order.end());  // no two alike: one order, whatever the threads
     std::vector<double> result(values.size(), missing);
     for (std::size_t begin = 0; begin < order.size();) {
         std::size_t end = begin;

@@ -9,6 +9,7 @@
 #include "analysis/csv.h"
 #include "analysis/diffusion.h"
 #include "analysis/gaps.h"
+#include "analysis/parallel.h"
 #include "analysis/statistics.h"
 
 namespace morphodesic::analysis {
@@ -189,11 +190,12 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
              {LinkageMethod::average, LinkageMethod::complete, LinkageMethod::single, LinkageMethod::ward}) {
             if (m != methods.front()) methods.push_back(m);
         }
-        for (const LinkageMethod m : methods) {
-            Dendrogram tree = linkage(r.distances, m);
+        r.trees.resize(methods.size());
+        parallel_for_each_index(methods.size(), 1, [&](std::size_t k) {
+            Dendrogram tree = linkage(r.distances, methods[k]);
             const double correlation = cophenetic_correlation(tree, r.distances);
-            r.trees.push_back({m, std::move(tree), {}, correlation});
-        }
+            r.trees[k] = {methods[k], std::move(tree), {}, correlation};
+        });
     });
     part("leaf order", [&] {
         for (TreeResult& t : r.trees) t.leaf_order = optimal_leaf_order(t.tree, r.distances);

@@ -36,8 +36,8 @@ struct AnalysisOptions {
     double assumed_error = 0.0;  ///< error bar where the matrix has none, as share of the distance, >= 0
     int permutations = 999;      ///< of PERMANOVA, >= 0
     bool diffuse = false;        ///< also rank by diffusion on the neighbour graph
-    int diffusion_neighbors = 10;  ///< k of its affinity graph, >= 1
-    int seed = 1;                  ///< of everything random, >= 0
+    int diffusion_neighbors = 5;  ///< k of its affinity graph, >= 1; good below the size of the classes
+    int seed = 1;                 ///< of everything random, >= 0
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
@@ -53,7 +53,8 @@ struct AnalysisOptions {
         visit("assumed-error", self.assumed_error, "error bar as share of the distance where none is known");
         visit("permutations", self.permutations, "permutations of the test of classes (PERMANOVA)");
         visit("diffuse", self.diffuse, "also rank neighbours by diffusion on the neighbour graph");
-        visit("diffusion-neighbors", self.diffusion_neighbors, "k of the affinity graph of the diffusion");
+        visit("diffusion-neighbors", self.diffusion_neighbors,
+              "k of the affinity graph of the diffusion; choose it below the size of the classes");
         visit("seed", self.seed, "seed of everything random");
     }
     /// Every violated constraint, in words; empty if the options are usable.

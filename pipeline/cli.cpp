@@ -7,6 +7,7 @@
 #include <memory>
 #include <type_traits>
 
+#include "analysis/csv.h"
 #include "datasets/read_error.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/classify.h"
@@ -43,6 +44,7 @@ private:
     void add_settings(CLI::App* command, RunSettings& settings, bool with_import);
     void add_study_command(const std::string& name, const std::string& help, const std::string& footer,
                            int (*function)(const StudyOptions&), bool from_files, bool computes);
+    void add_findings(CLI::App* command, bool with_queries);
     void add_geodesic();
     void add_classify();
     void add_datasets();
@@ -102,12 +104,16 @@ CommandLine::CommandLine(const RunSettings& defaults) {
     add_study_command("analyze", "distances, clusters and embedding of a study as CSV and NPY files.",
                       "Examples:\n"
                       "  morphodesic analyze letters.study\n"
-                      "  morphodesic analyze letters.study --json",
+                      "  morphodesic analyze letters.study --json\n"
+                      "  morphodesic analyze distances.csv --labels labels.csv --linkage ward --clusters 4\n"
+                      "  morphodesic analyze letters.study --place query.classified/ranking.csv",
                       &pipeline::analyze, false, false);
     add_study_command("report", "analyze, and write report.html and report.json of a study.",
                       "Examples:\n"
                       "  morphodesic report letters.study\n"
-                      "  morphodesic report letters.study --paths all        draw the path of every pair",
+                      "  morphodesic report letters.study --paths all        draw the path of every pair\n"
+                      "  morphodesic report letters.study --compare fine.study\n"
+                      "  morphodesic report distances.csv --labels labels.csv",
                       &pipeline::report, false, false);
     add_study_command("verify", "compute a random sample of a study's pairs again and compare with the store.",
                       "Examples:\n"
@@ -171,7 +177,11 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
         sub->add_option("folder", study.collection, "folder with the shapes; its folders are read too")->required();
         sub->add_option("--out", study.study, "study folder; default: FOLDER.study")->option_text("STUDY");
     } else {
-        sub->add_option("study", study.study, "study folder")->required();
+        const bool takes_tables = name == "analyze" || name == "report";
+        sub->add_option("study", study.study,
+                        takes_tables ? "study folder, or a table of distances (CSV) from anywhere" : "study folder")
+            ->required();
+        if (takes_tables) add_findings(sub, name == "analyze");
     }
     add_common(sub, study.common, true);
     if (from_files || computes) add_settings(sub, study.settings, from_files);
@@ -199,10 +209,11 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
                         "all or none")
             ->capture_default_str();
     }
-    if (name == "analyze" || name == "report") {
+    if (name == "analyze" || name == "report" || name == "run") {
         analysis::AnalysisOptions::for_each_field(
             study.analysis, [&](const char* field, auto& value, const char* text) {
                 const std::string flag = std::string("--") + field;
+                if (sub->get_option_no_throw(flag) != nullptr) return;  // a word that means something else to `run`
                 if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) {
                     sub->add_flag(flag, value, text)->group("Analysis");
                 } else {
@@ -215,6 +226,40 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
         sub->add_option("--seed", study.seed, "another seed, another sample")->capture_default_str();
     }
     sub->callback([this, function] { action = [this, function] { return function(study); }; });
+}
+
+void CommandLine::add_findings(CLI::App* command, bool with_queries) {
+    const char* group = "Sources";
+    command->add_option("--labels", study.labels, "table file,label of the classes, in place of those of the study")
+        ->check(CLI::ExistingFile)
+        ->option_text("FILE")
+        ->group(group);
+    command
+        ->add_option("--compare", study.compare,
+                     "another study (or table) to set beside this one: correlation of distances, moved neighbours")
+        ->check(CLI::ExistingPath)
+        ->option_text("STUDY")
+        ->group(group);
+    if (with_queries) {
+        command
+            ->add_option("--place", study.place,
+                         "distances of further shapes to these (a row each, or ranking.csv of classify): placed in the "
+                         "maps, placed.csv")
+            ->check(CLI::ExistingFile)
+            ->option_text("FILE")
+            ->group(group);
+    }
+    command->add_option("--errors", study.errors, "for a table: the error bars, as a table of the same labels")
+        ->check(CLI::ExistingFile)
+        ->option_text("FILE")
+        ->group(group);
+    command
+        ->add_flag("--asymmetric", study.asymmetric,
+                   "for a table: the sides of the diagonal are both directions; the distance is their mean")
+        ->group(group);
+    command->add_option("--out", study.out, "for a table: folder of the results; default: beside it, NAME.analysis")
+        ->option_text("FOLDER")
+        ->group(group);
 }
 
 void CommandLine::add_geodesic() {
@@ -453,6 +498,8 @@ int run_program(const std::vector<std::string>& arguments) {
     } catch (const datasets::ReadError& error) {
         std::cerr << "morphodesic: " << error.what() << "\n";
     } catch (const std::invalid_argument& error) {
+        std::cerr << "morphodesic: " << error.what() << "\n";
+    } catch (const analysis::ParseError& error) {
         std::cerr << "morphodesic: " << error.what() << "\n";
     } catch (const std::bad_alloc&) {
         std::cerr << "morphodesic: not enough memory; use a lower --level or fewer --threads\n";

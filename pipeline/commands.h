@@ -28,9 +28,15 @@ struct StudyOptions {
     bool retry_failed = false;  ///< compute pairs anew that failed before
     std::string paths = "12";   ///< none | nearest | all | a number: which paths are drawn, see choose_paths
     analysis::AnalysisOptions analysis;
-    int sample = 10;      ///< verify: pairs that are computed again
-    unsigned seed = 1;    ///< verify: which ones
-    std::string command;  ///< for the report: the command that repeats the study
+    std::filesystem::path compare;  ///< analyze, report: another study or table to set beside this one; empty: none
+    std::filesystem::path labels;   ///< analyze, report: table file,label that overrules the classes; empty: none
+    std::filesystem::path errors;   ///< analyze, report of a table: table of its error bars; empty: none
+    bool asymmetric = false;        ///< analyze, report of a table: its two sides are both directions
+    std::filesystem::path place;    ///< analyze: distances of further shapes, to be placed in the maps; empty: none
+    std::filesystem::path out;      ///< analyze, report of a table: folder for the results; empty: beside the table
+    int sample = 10;                ///< verify: pairs that are computed again
+    unsigned seed = 1;              ///< verify: which ones
+    std::string command;            ///< for the report: the command that repeats the study
 };
 
 /// Options of geodesic A B.

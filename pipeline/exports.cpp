@@ -83,6 +83,27 @@ std::string shapes_csv(const StudyData& data) {
     return csv.text();
 }
 
+std::string accuracy_csv(const reports::ReportModel& model) {
+    CsvText csv({"ranking", "measure", "value"});
+    for (const reports::ClassTable& table : model.classes) {
+        const auto row = [&](const std::string& measure, double value) {
+            csv.cell(table.name).cell(measure).cell(value).end_row();
+        };
+        for (const auto& [k, accuracy] : table.k_nearest) row(std::to_string(k) + "-NN", accuracy);
+        row("bulls_eye", table.bulls_eye);
+        row("mean_average_precision", table.mean_average_precision);
+        for (const reports::PrecisionRecall& point : table.precision_recall) {
+            row("precision_at_recall_" + analysis::csv_cell(point.recall), point.precision);
+        }
+        row("adjusted_rand", table.adjusted_rand);
+        row("adjusted_mutual_information", table.adjusted_mutual_information);
+        row("permanova_f", table.permanova_f);
+        row("permanova_r2", table.permanova_r2);
+        row("permanova_p", table.permanova_p);
+    }
+    return csv.text();
+}
+
 }  // namespace
 
 void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder) {
@@ -105,8 +126,10 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
     std::ostringstream npy;
     analysis::write_npy(npy, analysis::NpyArray{data.distances.size(), data.distances.size(), data.distances.dense()});
     folder.write("distances.npy", npy.str());
-    folder.write("pairs.csv", pairs_csv(data));
-    folder.write("shapes.csv", shapes_csv(data));
+    if (!data.given) {
+        folder.write("pairs.csv", pairs_csv(data));
+        folder.write("shapes.csv", shapes_csv(data));
+    }
     const auto text = [](auto&& write) {
         std::ostringstream out;
         write(out);
@@ -117,6 +140,7 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
                  text([&](std::ostream& out) { analysis::write_clusters_csv(out, result, data.distances); }));
     folder.write("linkage.csv", text([&](std::ostream& out) { analysis::write_linkage_csv(out, result); }));
     folder.write("embedding.csv", text([&](std::ostream& out) { analysis::write_embedding_csv(out, result); }));
+    folder.write("accuracy.csv", accuracy_csv(analysed.model));
 }
 
 void summarise(const reports::ReportModel& model, Summary& summary) {

@@ -11,14 +11,21 @@ namespace morphodesic::pipeline {
 
 struct Summary;
 
-/// distances.csv, distances.npy, pairs.csv, clusters.csv, linkage.csv, embedding.csv: see reports/FORMAT.md. Rows are
-/// sorted by name, doubles read back exactly, and distances.csv holds nothing that differs from run to run.
+/// distances.csv, distances.npy, pairs.csv, shapes.csv, clusters.csv, linkage.csv, embedding.csv, accuracy.csv: see
+/// reports/FORMAT.md. Rows are sorted by name, doubles read back exactly, and distances.csv holds nothing that differs
+/// from run to run. Of a given table neither pairs.csv nor shapes.csv.
 void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder);
 
 /// The tables, then paths/, report.json and report.html.
 /// @param summary  receives where the report is and how well the distances know the classes
 void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                    Progress& progress, Summary& summary);
+
+/// report.json, report.html and figures/ of a complete model; the summary is told where they are.
+void write_report(const reports::ReportModel& model, const StudyFolder& folder, Summary& summary);
+
+/// Sets the study or table that the options name beside this one (ReportModel::compare).
+void set_beside(const StudyData& data, const StudyOptions& options, reports::ReportModel& model);
 
 /// Says in the summary how well the distances know the classes, and how many clusters there are.
 void summarise(const reports::ReportModel& model, Summary& summary);

@@ -1,34 +1,27 @@
-// Pictures, paths, report.json and report.html of a study.
+// Pictures, paths, report.json, report.html and figures/ of a study.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <sstream>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands/summary.h"
 #include "pipeline/exports.h"
+#include "pipeline/figure_files.h"
+#include "pipeline/given_matrix.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/path_files.h"
 #include "pipeline/path_pictures.h"
+#include "pipeline/report_provenance.h"
 #include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
+#include "pipeline/study_comparison.h"
 #include "pipeline/volume_comparison.h"
-#include "reports/figures.h"
 #include "reports/report.h"
 
 namespace morphodesic::pipeline {
 namespace {
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    gmtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-    return text;
-}
 
 template <int Dim>
 ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store) {
@@ -40,11 +33,48 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
     return shape;
 }
 
+/// Largest distance of a shape from the centre of the cube along an axis.
+double reach_of(const LevelSet<2>& u) {
+    double reach = 0.1;
+    for (std::size_t k = 0; k < u.values.size(); ++k) {
+        if (u.values[k] <= 0.0) continue;
+        const Point<2> x = u.grid.position(u.grid.node(k));
+        for (const double c : x) reach = std::max(reach, std::abs(c - 0.5));
+    }
+    return std::min(reach, 0.5);
+}
+
+/// The middle of a square picture.
+RgbaImage middle_of(const RgbaImage& image, int pixels) {
+    RgbaImage result(pixels, pixels);
+    const int cut = (image.width - pixels) / 2;
+    for (int row = 0; row < pixels; ++row) {
+        const auto from = image.pixels.begin() + 4 * ((row + cut) * static_cast<std::ptrdiff_t>(image.width) + cut);
+        std::copy(from, from + 4 * static_cast<std::ptrdiff_t>(pixels),
+                  result.pixels.begin() + 4 * row * static_cast<std::ptrdiff_t>(pixels));
+    }
+    return result;
+}
+
+/// Pictures of all shapes at one scale: that of the cube, or in 2D, where many shapes leave most of it empty, as large
+/// as the largest of them allows.
 template <int Dim>
 void add_thumbnails(const StudyData& data, const ResultStore& store, const SolidView& view, AnalysedStudy& analysed) {
-    tbb::parallel_for(std::size_t{0}, analysed.analysis.kept.size(), [&](std::size_t i) {
-        const StoredShape& row = data.shapes[analysed.analysis.kept[i]];
-        const RgbaImage image = shape_picture(store.level_set<Dim>(row.content_digest), thumbnail_pixels, view);
+    const std::vector<std::size_t>& kept = analysed.analysis.kept;
+    int drawn_pixels = thumbnail_pixels;
+    if constexpr (Dim == 2) {
+        std::vector<double> reach(kept.size());
+        tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+            reach[i] = reach_of(store.level_set<2>(data.shapes[kept[i]].content_digest));
+        });
+        // A sixth of air around the largest shape; never smaller than the usual picture.
+        const double window = 1.15 * *std::max_element(reach.begin(), reach.end());
+        drawn_pixels = std::max(thumbnail_pixels, static_cast<int>(thumbnail_pixels * picture_radius / window));
+    }
+    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+        const StoredShape& row = data.shapes[kept[i]];
+        const RgbaImage whole = shape_picture(store.level_set<Dim>(row.content_digest), drawn_pixels, view);
+        const RgbaImage image = drawn_pixels > thumbnail_pixels ? middle_of(whole, thumbnail_pixels) : whole;
         analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, row.name};
     });
 }
@@ -175,78 +205,6 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
     }
 }
 
-/// The options that lead from the preset to these settings, as words for the command line.
-std::vector<std::string> words_of(const RunSettings& settings) {
-    std::vector<std::string> lines[2];
-    const RunSettings preset = settings_of_preset(settings.preset);
-    for (const RunSettings* from : {&preset, &settings}) {
-        RunSettings::for_each_field(*from, [&](const char* name, const auto& value, const char*) {
-            std::ostringstream text;
-            text.precision(17);
-            text << std::boolalpha << value;
-            lines[from == &settings].push_back("--" + std::string(name) + "=" + text.str());
-        });
-    }
-    std::vector<std::string> words{"--preset=" + settings.preset};
-    for (std::size_t i = 0; i < lines[1].size(); ++i) {
-        if (lines[0][i] != lines[1][i]) words.push_back(lines[1][i]);
-    }
-    return words;
-}
-
-void add_provenance(const StudyData& data, const ResultStore& store, const StudyFolder& folder,
-                    reports::ReportModel& model) {
-    model.study = folder.path().filename().string();
-    if (model.study.empty()) model.study = folder.path().parent_path().filename().string();
-    model.created = utc_now();
-    model.collection = store.fact("folder").value_or("");
-    model.study_folder = folder.path().string();
-    if (const auto seconds = store.fact("seconds")) model.seconds = std::stod(*seconds);
-    model.preset = data.settings.preset;
-    model.geodesic_options = words_of(data.settings);
-    model.distance_unit = data.dimension == 2 ? "length of the unit cube" : "length^1.5 of the unit cube";
-    const auto add = [&](const char* name, const auto& value, const char* help) {
-        using Value = std::decay_t<decltype(value)>;
-        std::string text;
-        if constexpr (std::is_same_v<Value, std::string>)
-            text = value;
-        else if constexpr (std::is_same_v<Value, bool>)
-            text = value ? "true" : "false";
-        else {
-            char buffer[40];
-            std::snprintf(buffer, sizeof buffer, "%.10g", static_cast<double>(value));
-            text = buffer;
-        }
-        model.settings.push_back({name, text, help});
-    };
-    RunSettings::for_each_field(data.settings, add);
-    PairSelection::for_each_field(data.settings.pairs, add);
-    if (const auto scale = store.fact("common_scale"); scale && data.settings.normalize == "common") {
-        model.geodesic_options.push_back("--scale=" + *scale);
-        model.settings.push_back(
-            {"common-scale", *scale, "lengths of the unit cube per unit of the files, one for all"});
-    }
-    model.versions = {{"morphodesic", MORPHODESIC_VERSION, ""},
-                      {"solver revision", std::to_string(solver_revision), "part of the settings hash"},
-                      {"settings hash", data.settings_hash, "results of other settings never share a matrix"},
-                      {"store version", std::to_string(store_version), ""}};
-    model.command = store.fact("command").value_or("");
-    model.links = {{"distances.csv", "distances.csv", "square matrix of path lengths; empty: no trustworthy distance"},
-                   {"distances.npy", "distances.npy", "the same for NumPy; NaN: no trustworthy distance"},
-                   {"pairs.csv", "pairs.csv", "every pair with error bar, energies, min det and termination"},
-                   {"clusters.csv", "clusters.csv", "cluster of every shape"},
-                   {"shapes.csv", "shapes.csv", "volume (area), scale and notes of every shape"},
-                   {"linkage.csv", "linkage.csv", "average linkage, rows as in SciPy"},
-                   {"embedding.csv", "embedding.csv", "the map"},
-                   {"report.json", "report.json", "everything in this report but the pictures"},
-                   {"figures/", "figures", "every figure as SVG, for print"},
-                   {"study.sqlite", "study.sqlite", "the store: every result with its settings"}};
-    if (data.levels.size() > 1) {
-        model.links.push_back({"distances_refined.csv", "distances_refined.csv",
-                               "distances.csv without the estimates from coarse grids (empty cells)"});
-    }
-}
-
 }  // namespace
 
 void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
@@ -261,15 +219,25 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
         add_paths<Dim>(data, store, folder, options, progress, view, analysed);
     });
     if (const auto warning = store.fact("size_warning"); warning && !warning->empty()) {
-        analysed.model.trust.remarks.push_back(*warning);
+        analysed.model.warnings.push_back(*warning);
     }
-    add_provenance(data, store, folder, analysed.model);
-    folder.write("report.json", reports::to_json(analysed.model));
-    folder.write("report.html", reports::render_html(analysed.model));
-    for (const reports::Figure& figure : reports::figures(analysed.model)) {
-        folder.write(std::filesystem::path("figures") / (figure.name + ".svg"), figure.svg);
-    }
-    summarise(analysed.model, summary);
+    add_provenance(data, store, folder, options.analysis, analysed.model);
+    if (!options.compare.empty()) set_beside(data, options, analysed.model);
+    write_report(analysed.model, folder, summary);
+}
+
+void set_beside(const StudyData& data, const StudyOptions& options, reports::ReportModel& model) {
+    const StudyData other = load_study_or_table(options.compare, {{}, options.asymmetric});
+    const std::filesystem::path named =
+        options.compare.has_filename() ? options.compare : options.compare.parent_path();
+    model.compare = compare_studies(data, other, named.filename().string(), options.analysis.neighbors);
+}
+
+void write_report(const reports::ReportModel& model, const StudyFolder& folder, Summary& summary) {
+    folder.write("report.json", reports::to_json(model));
+    folder.write("report.html", reports::render_html(model));
+    write_figures(model, folder);
+    summarise(model, summary);
     summary.data["report"] = (folder.path() / "report.html").string();
     summary.lines.push_back("Report: " + (folder.path() / "report.html").string());
 }

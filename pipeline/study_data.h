@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnostics.h"
 #include "analysis/distance_matrix.h"
 #include "pipeline/result_store.h"
 #include "pipeline/run_settings.h"
@@ -38,6 +39,8 @@ struct StudyData {
     std::vector<StudyFailure> failures;
     long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
     std::vector<std::string> remarks;  ///< e.g. damaged rows
+    bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
+    std::vector<analysis::DirectedPair> given_directions;  ///< of a table that is not symmetric
 
     /// Solved with the settings of the study; else the distance is an estimate from coarse levels.
     [[nodiscard]] bool refined(std::size_t pair) const { return level_of[pair] + std::size_t{1} == levels.size(); }

@@ -137,6 +137,7 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
             input.directed.push_back({i, j, first_to_second.path_length, second_to_first.path_length});
         }
     }
+    input.directed.insert(input.directed.end(), data.given_directions.begin(), data.given_directions.end());
     input.proceed = [](const char*) { return StopSignals::caught() == 0; };
     AnalysedStudy result;
     result.analysis = an::analyse(data.distances, options, input);
@@ -147,6 +148,7 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     if (!data.coarse_note.empty()) model.trust.remarks.push_back(data.coarse_note);
     add_shapes(data, all, model);
     model.dimension = data.dimension;
+    model.given_matrix = data.given;
     model.shapes_found = number(data.shapes.size() + data.unusable.size());
     model.pairs_total = static_cast<long>(data.distances.pair_count());
     model.pairs_done = model.pairs_total - data.pairs_missing;

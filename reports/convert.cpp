@@ -58,9 +58,9 @@ void check(cairo_status_t status) {
 
 }  // namespace
 
-std::string svg_to_png(const std::string& svg, int width) {
+std::string svg_to_png(const std::string& svg, int width, double scale) {
     const Drawing drawing(svg);
-    const double w = width > 0 ? width : drawing.width, h = w * drawing.height / drawing.width;
+    const double w = width > 0 ? width : scale * drawing.width, h = w * drawing.height / drawing.width;
     const Surface surface(
         cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::ceil(w)), static_cast<int>(std::ceil(h))),
         cairo_surface_destroy);

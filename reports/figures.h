@@ -23,9 +23,9 @@ struct Figure {
 /// A filmstrip of one path as SVG.
 [[nodiscard]] std::string path_figure(const ReportModel& model, const PathReport& path);
 
-/// SVG to the bytes of a PNG (width in pixels; 0: the natural size) or a one-page PDF.
+/// SVG to the bytes of a PNG (width in pixels; 0: the natural size, times scale) or a one-page PDF.
 /// @throws std::runtime_error if the SVG cannot be read or drawn
-[[nodiscard]] std::string svg_to_png(const std::string& svg, int width = 0);
+[[nodiscard]] std::string svg_to_png(const std::string& svg, int width = 0, double scale = 1.0);
 [[nodiscard]] std::string svg_to_pdf(const std::string& svg);
 
 }  // namespace morphodesic::reports

@@ -90,12 +90,13 @@ Json page_json(const ReportModel& model) {
 
 std::string headline(const ReportModel& m) {
     std::string text = std::to_string(m.shapes.size()) + (m.dimension == 3 ? " surfaces" : " shapes") +
-                       " compared by " + std::to_string(m.pairs_done) + " geodesics";
+                       (m.given_matrix ? " with " : " compared by ") + std::to_string(m.pairs_done) +
+                       (m.given_matrix ? " given distances" : " geodesics");
     if (m.pairs_done < m.pairs_total) text += " (of " + std::to_string(m.pairs_total) + " pairs)";
     const auto failed_shapes =
         std::count_if(m.failures.begin(), m.failures.end(), [](const auto& f) { return f.b.empty(); });
     const auto failed_pairs = static_cast<std::ptrdiff_t>(m.failures.size()) - failed_shapes;
-    if (m.failures.empty()) return text + "; nothing failed.";
+    if (m.failures.empty()) return text + (m.given_matrix ? "." : "; nothing failed.");
     text += "; failed: ";
     if (failed_shapes > 0) text += std::to_string(failed_shapes) + (failed_shapes == 1 ? " file" : " files");
     if (failed_shapes > 0 && failed_pairs > 0) text += " and ";

@@ -179,6 +179,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["study"] = m.study;
     result["created"] = m.created;
     result["dimension"] = m.dimension;
+    result["given_matrix"] = m.given_matrix;
     result["collection"] = m.collection;
     result["study_folder"] = m.study_folder;
     result["geodesic_options"] = m.geodesic_options;
@@ -193,6 +194,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["failures"] = list(m.failures, [](const Failure& f) {
         return Json{{"a", f.a}, {"b", f.b}, {"reason", f.reason}};
     });
+    result["warnings"] = m.warnings;
     result["shapes"] = list(m.shapes, [](const ReportShape& s) {
         return Json{{"name", s.name}, {"label", s.label}, {"volume", number(s.volume)}, {"notes", s.notes}};
     });

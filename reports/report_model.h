@@ -226,8 +226,9 @@ struct ReportModel {
     std::string study;    ///< name for the headline
     std::string created;  ///< ISO 8601, UTC
     int dimension = 2;
-    std::string collection;    ///< folder that was studied, as given
-    std::string study_folder;  ///< where the study is kept, as given
+    bool given_matrix = false;  ///< only a table of distances is known: no shapes, no geodesics
+    std::string collection;     ///< folder that was studied, as given
+    std::string study_folder;   ///< where the study is kept, as given
     /// Options (words, not quoted) that give `morphodesic geodesic A B` the settings of this study, for paths that are
     /// not stored; the page adds the two files, collection + "/" + name, and --out.
     std::vector<std::string> geodesic_options;
@@ -239,6 +240,7 @@ struct ReportModel {
     std::string preset;
     std::string distance_unit;  ///< of the path length, e.g. "length of the unit cube"
     std::vector<Failure> failures;
+    std::vector<std::string> warnings;  ///< what makes the whole study doubtful; shown first
 
     std::vector<ReportShape> shapes;
     std::vector<double> distances;        ///< condensed; NaN: no trustworthy distance

@@ -1,8 +1,11 @@
 // analyze, report, verify: from rows to files and back.
+#include "reports/report.h"
+
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "pipeline/collection.h"
@@ -10,7 +13,10 @@
 #include "pipeline/commands/summary.h"
 #include "pipeline/digest.h"
 #include "pipeline/exports.h"
+#include "pipeline/given_matrix.h"
 #include "pipeline/pair_graph.h"
+#include "pipeline/placed_queries.h"
+#include "pipeline/report_provenance.h"
 #include "pipeline/stop_signals.h"
 
 namespace morphodesic::pipeline {
@@ -25,7 +31,10 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
                     {"pairs", pairs},
                     {"pairs_missing", data.pairs_missing}};
     summary.lines.push_back(std::to_string(data.shapes.size()) + " shapes, " + std::to_string(pairs) + " pairs");
-    if (data.pairs_missing > 0) {
+    if (data.given && data.pairs_missing > 0) {
+        summary.lines.push_back(std::to_string(data.pairs_missing) +
+                                (data.pairs_missing == 1 ? " pair has no distance" : " pairs have no distance"));
+    } else if (data.pairs_missing > 0) {
         summary.exit_code = some_failed;
         summary.lines.push_back(std::to_string(data.pairs_missing) +
                                 " pairs are not computed yet; do it with: morphodesic "
@@ -53,29 +62,111 @@ std::vector<const StoredGeodesic*> sample(const StudyData& data, const StudyOpti
     return chosen;
 }
 
+bool is_table(const StudyOptions& options) {
+    return std::filesystem::is_regular_file(options.study);
+}
+
+/// @throws std::invalid_argument if options for tables are given with a study
+void check_sources(const StudyOptions& options) {
+    if (is_table(options)) return;
+    if (!options.errors.empty() || !options.out.empty()) {
+        throw std::invalid_argument(std::string(options.errors.empty() ? "--out" : "--errors") +
+                                    " is for tables of distances; the study " + options.study.string() +
+                                    " has its own folder and error bars");
+    }
+    if (options.asymmetric && options.compare.empty()) {
+        throw std::invalid_argument(
+            "--asymmetric is for tables of distances; for a study there is "
+            "`morphodesic run --both-directions`");
+    }
+}
+
+/// What is analysed, a study or a table of distances, and where the results go.
+struct Subject {
+    explicit Subject(const StudyOptions& options) : folder(folder_of(options)) {
+        if (is_table(options)) {
+            data = read_given_matrix(options.study, {options.errors, options.asymmetric});
+            folder.create();
+        } else {
+            data = load_study(ResultStore(folder.store(), ResultStore::Access::read));
+        }
+        if (!options.labels.empty()) label_shapes(data, options.labels);
+    }
+
+    StudyFolder folder;
+    StudyData data;
+
+private:
+    static StudyFolder folder_of(const StudyOptions& options) {
+        if (!is_table(options)) return StudyFolder(options.study);
+        if (!options.out.empty()) return StudyFolder(options.out);
+        std::filesystem::path beside = options.study;
+        return StudyFolder(beside.replace_extension(".analysis"));
+    }
+};
+
+/// What only some analyses have: another study beside this one, and queries placed in its maps.
+void add_findings(const StudyOptions& options, const Subject& subject, AnalysedStudy& analysed, Summary& summary) {
+    if (!options.compare.empty()) {
+        set_beside(subject.data, options, analysed.model);
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "%d pairs in common; Spearman correlation %.4f, %.1f %% of the neighbours agree",
+                      analysed.model.compare->common_pairs, analysed.model.compare->spearman,
+                      100 * analysed.model.compare->mean_overlap);
+        summary.lines.emplace_back(text);
+    }
+    if (!options.place.empty()) {
+        const std::vector<QueryRow> queries = read_queries(options.place, analysed.analysis.labels);
+        subject.folder.write("placed.csv", placed_csv(analysed.analysis, queries));
+        summary.data["placed"] = queries.size();
+        summary.lines.push_back(std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries") +
+                                " placed in the maps: placed.csv");
+    }
+    if (is_table(options)) add_provenance_of_table(options, subject.folder, analysed.model);
+}
+
+int report_of_table(const StudyOptions& options) {
+    const Subject subject(options);
+    Summary summary = summary_of(subject.data, subject.folder);
+    AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
+    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    add_findings(options, subject, analysed, summary);
+    export_tables(subject.data, analysed, subject.folder);
+    write_report(analysed.model, subject.folder, summary);
+    return summary.print(options.common);
+}
+
 }  // namespace
 
 int analyze(const StudyOptions& options) {
-    const StudyFolder folder(options.study);
-    const ResultStore store(folder.store(), ResultStore::Access::read);
-    const StudyData data = load_study(store);
-    Summary summary = summary_of(data, folder);
-    const AnalysedStudy analysed = analyse_study(data, options.analysis);
-    export_tables(data, analysed, folder);
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(thread_count(options.common)));
+    check_sources(options);
+    const Subject subject(options);
+    Summary summary = summary_of(subject.data, subject.folder);
+    AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
+    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    add_findings(options, subject, analysed, summary);
+    export_tables(subject.data, analysed, subject.folder);
+    subject.folder.write("analysis.json", reports::to_json(analysed.model));
     summarise(analysed.model, summary);
-    summary.lines.push_back("Tables: " + folder.path().string());
-    summary.add_failures(data.failures);
+    summary.lines.push_back("Tables: " + subject.folder.path().string());
+    summary.add_failures(subject.data.failures);
     return summary.print(options.common);
 }
 
 int report(const StudyOptions& options) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(options.common)));
+    check_sources(options);
+    if (is_table(options)) return report_of_table(options);
     const StudyFolder folder(options.study);
     if (!std::filesystem::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
-    const StudyData data = load_study(store);
+    StudyData data = load_study(store);
+    if (!options.labels.empty()) label_shapes(data, options.labels);
     Summary summary = summary_of(data, folder);
     Progress progress(Progress::style_of_stderr(options.common.quiet));
     export_report(data, store, folder, options, progress, summary);

@@ -74,3 +74,26 @@ const groupLegend = title => ({
 });
 const pictureUrl = i => data.shapes[i].picture ? data.shapes[i].picture.uri : null;
 const largest = values => values.reduce((m, v) => known(v) && v > m ? v : m, 0);
+/// A filled rectangle at fixed pixels.
+const fixedRect = (x, y, width, height, fill) => ({
+    type: 'rect',
+    aria: false,
+    encode: {
+        update: {
+            x: {value: x},
+            y: {value: y},
+            width: {value: width},
+            height: {value: height},
+            fill: {value: fill}
+        }
+    }
+});
+/// Axes below and on the left of a plot of two quantities, and the place of a point in it.
+const plotAxes = (xTitle, yTitle) => [
+    {orient: 'bottom', scale: 'x', title: xTitle, grid: true, tickCount: 5},
+    {orient: 'left', scale: 'y', title: yTitle, grid: true, tickCount: 5}
+];
+const atPoint = {
+    x: {scale: 'x', field: 'x'},
+    y: {scale: 'y', field: 'y'}
+};

@@ -21,6 +21,38 @@ function pushApart(points, least) {
     }
 }
 
+/// Edges of a graph small enough for numbers: the spanning tree, and every shape with its two nearest.
+function fewEdges() {
+    const chosen = new Map(), add = (a, b, length) => chosen.set(Math.min(a, b) + ' ' + Math.max(a, b), {a, b, length});
+    data.spanning_tree.forEach(e => add(e.a, e.b, e.length));
+    data.shapes.forEach((_, i) => neighboursOf(i).slice(0, 2).forEach(j => add(i, j, distance(i, j))));
+    return [...chosen.values()];
+}
+
+/// Where on its edge each number stands: as near to the middle as other numbers, pictures and names allow.
+function labelPlaces(edges, points, perUnit, picture) {
+    const at = new Map(points.map(p => [p.i, [p.x * perUnit, -p.y * perUnit]])), places = [];
+    const near = (d, reach) => Math.max(0, 1 - Math.abs(d) / reach);
+    return edges.map(e => {
+        const [ax, ay] = at.get(e.a), [bx, by] = at.get(e.b);
+        let best = 0.5, least = Infinity;
+        for (const t of [0.5, 0.43, 0.57, 0.36, 0.64, 0.3, 0.7]) {
+            const x = ax + t * (bx - ax), y = ay + t * (by - ay);
+            let harm = Math.abs(t - 0.5);
+            for (const [qx, qy] of places) harm += 10 * near(x - qx, 46) * near(y - qy, 16);
+            for (const [qx, qy] of at.values())
+                harm += 10 * near(Math.hypot(x - qx, y - qy), 0.62 * picture + 14) +
+                    10 * near(x - qx, 56) * near(y - qy - 0.62 * picture - 12, 16);
+            if (harm < least) {
+                least = harm;
+                best = t;
+            }
+        }
+        places.push([ax + best * (bx - ax), ay + best * (by - ay)]);
+        return best;
+    });
+}
+
 /// Shapes at their places in the plane, or in space seen from an angle, with the edges of a graph.
 function embeddingSpec(embedding, edges, size, options) {
     const d = embedding.dimension, at = (i, a) => a < d ? embedding.coordinates[i * d + a] : 0;
@@ -59,7 +91,8 @@ function embeddingSpec(embedding, edges, size, options) {
     const height = d === 3 ? Math.min(size, 560) : Math.max(220, Math.min(620, 2 * reach[1] * perUnit + 2 * margin));
     const scale = Math.min(perUnit, (height - 2 * margin) / (2 * reach[1] || 1)),
           range = p => [-p / (2 * scale || 1), p / (2 * scale || 1)];
-    const inGraph = new Set(shapes.map(p => p.i));
+    const inGraph = new Set(shapes.map(p => p.i)), drawn = edges.filter(e => inGraph.has(e.a) && inGraph.has(e.b));
+    const along = options.labels ? labelPlaces(drawn, shapes, scale, picture) : [];
     const turn = axis => ({
         name: axis,
         value: d === 3 ? (axis === 'yaw' ? 0.6 : 0.35) : 0,
@@ -157,8 +190,7 @@ function embeddingSpec(embedding, edges, size, options) {
             },
             {
                 name: 'edges',
-                values: edges.filter(e => inGraph.has(e.a) && inGraph.has(e.b))
-                            .map(e => ({a: e.a, b: e.b, length: e.length})),
+                values: drawn.map((e, k) => ({a: e.a, b: e.b, length: e.length, t: along[k]})),
                 transform: [{type: 'lookup', from: 'shapes', key: 'i', fields: ['a', 'b'], as: ['A', 'B']}]
             }
         ],
@@ -218,8 +250,8 @@ function embeddingSpec(embedding, edges, size, options) {
                                     aria: false,
                                     encode: {
                                         update: {
-                                            x: {signal: '(scale(\'x\', datum.A.px) + scale(\'x\', datum.B.px)) / 2'},
-                                            y: {signal: '(scale(\'y\', datum.A.py) + scale(\'y\', datum.B.py)) / 2'},
+                                            x: {signal: '(1 - datum.t) * scale(\'x\', datum.A.px) + datum.t * scale(\'x\', datum.B.px)'},
+                                            y: {signal: '(1 - datum.t) * scale(\'y\', datum.A.py) + datum.t * scale(\'y\', datum.B.py)'},
                                             text: {
                                                 signal: 'format(datum.length, datum.length < 0.1 ? \'.4f\' : \'.3f\')'
                                             },

@@ -90,32 +90,8 @@ function heatMapSpec(order, tree, room, numbers) {
     const size = cell * count, gap = side + band + 5, top = largest(data.distances);
     const cells = [];
     if (numbers && cell >= 30) order.forEach((i, r) => order.forEach((j, c) => cells.push({r, c, d: distance(i, j)})));
-    const plates = {
-        type: 'rect',
-        aria: false,
-        encode: {
-            update: {
-                x: {value: -band - 3 - side},
-                y: {value: -band - 3 - side},
-                width: {value: size + side + band + 3},
-                height: {value: side},
-                fill: {value: 'var(--plate)'}
-            }
-        }
-    };
-    const plateColumn = {
-        type: 'rect',
-        aria: false,
-        encode: {
-            update: {
-                x: {value: -band - 3 - side},
-                y: {value: 0},
-                width: {value: side},
-                height: {value: size},
-                fill: {value: 'var(--plate)'}
-            }
-        }
-    };
+    const plates = fixedRect(-band - 3 - side, -band - 3 - side, size + side + band + 3, side, 'var(--plate)');
+    const plateColumn = fixedRect(-band - 3 - side, 0, side, size, 'var(--plate)');
     const pictures = vertical => ({
         type: 'image',
         from: {data: 'leaves'},
@@ -214,18 +190,14 @@ function heatMapSpec(order, tree, room, numbers) {
             fill: 'colour',
             orient: 'bottom',
             direction: 'horizontal',
-            title: 'distance (path length)',
+            title: data.given_matrix ? 'distance' : 'distance (path length)',
             gradientLength: Math.min(240, size),
             gradientThickness: 10
         }],
         marks: [].concat(
             tree ? [treeGroup(-gap - 96, 92, cell, 'height')] : [], bands(true), bands(false),
-            side ? [plates, plateColumn, pictures(true), pictures(false)] : [], {
-                type: 'rect',
-                aria: false,
-                encode: {update: {width: {value: size}, height: {value: size}, fill: {value: 'var(--missing)'}}}
-            },
-            {
+            side ? [plates, plateColumn, pictures(true), pictures(false)] : [],
+            fixedRect(0, 0, size, size, 'var(--missing)'), {
                 type: 'image',
                 aria: false,
                 encode: {
@@ -302,19 +274,7 @@ function dendrogramSpec(tree, room, title) {
                    .concat(
                        side ?
                            [
-                               {
-                                   type: 'rect',
-                                   aria: false,
-                                   encode: {
-                                       update: {
-                                           x: {value: 0},
-                                           y: {value: 155},
-                                           width: {value: cell * count},
-                                           height: {value: side + 2},
-                                           fill: {value: 'var(--plate)'}
-                                       }
-                                   }
-                               },
+                               fixedRect(0, 155, cell * count, side + 2, 'var(--plate)'),
                                {
                                    type: 'image',
                                    from: {data: 'leaves'},

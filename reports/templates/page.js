@@ -13,7 +13,11 @@ function start() {
         .append(el('ul', {}, titles.map(h => el('li', {}, el('a', {href: '#' + h.parentNode.id}, h.textContent)))));
     document.getElementById('footer').append(el(
         'p', {},
-        'Made by morphodesic. Distances are path lengths of discrete geodesics in the space of viscous-fluid objects (Wirth, Bar, Rumpf, Sapiro). Charts: Vega, University of Washington Interactive Data Lab.'));
+        'Made by morphodesic. ' +
+            (data.given_matrix ?
+                 'Distances are those of the table. ' :
+                 'Distances are path lengths of discrete geodesics in the space of viscous-fluid objects (Wirth, Bar, Rumpf, Sapiro). ') +
+            'Charts: Vega, University of Washington Interactive Data Lab.'));
     if (data.errors_left_out) {
         document.getElementById('pair').append(
             el('p', {class: 'hint'}, 'The error bars of so many pairs are not in this file; pairs.csv has them.'));

@@ -16,7 +16,9 @@ function choosePair(a, b, quiet) {
     if (!quiet)
         announce(
             `${nameOf(a)} and ${nameOf(b)}: distance ${withError(a, b)}` +
-            (storedPath(a, b) ? '; path shown' : '; path not stored'));
+            (data.given_matrix  ? '' :
+             storedPath(a, b) ? '; path shown' :
+                                '; path not stored'));
 }
 
 function shapeSelect(id, label, which) {
@@ -41,7 +43,7 @@ function shapeSelect(id, label, which) {
 function pairPanel() {
     return el(
         'section', {id: 'pair', 'aria-labelledby': 'pair-title'},
-        el('h2', {id: 'pair-title'}, 'Geodesic between two shapes'),
+        el('h2', {id: 'pair-title'}, data.given_matrix ? 'Two shapes' : 'Geodesic between two shapes'),
         el('p', {class: 'hint'}, 'Click a cell of the matrix, or two shapes one after the other, or choose here.'),
         el('div', {class: 'fields'}, shapeSelect('pair-a', 'From', 'a'),
            el('button', {
@@ -80,7 +82,7 @@ function renderPair() {
                       null,
                   el('span', {class: 'what'},
                      isEstimate(a, b)      ? 'estimate from coarse grids' :
-                         known(distance(a, b)) ? 'geodesic distance' :
+                         known(distance(a, b)) ? distanceName :
                                                  'no trustworthy distance')),
                el('figure', {}, thumbnail(b, 72), el('figcaption', {}, nameOf(b)))),
             el('p', {class: 'hint'},
@@ -90,7 +92,7 @@ function renderPair() {
                         `Not converged: ${shown(remark.remark)}. Do not trust this distance beyond its error bar.`) :
                      null,
             path && path.frames.some(f => f.picture) ? filmstrip(path) : null, path ? pathNumbers(path) : null,
-            !path || !path.frames.some(f => f.picture) ? recompute(a, b) : null]
+            !data.given_matrix && !(path && path.frames.some(f => f.picture)) ? recompute(a, b) : null]
             .filter(part => part));
     if (path) {
         const steps =

@@ -11,10 +11,7 @@ function scatterSpec(points, size, xTitle, yTitle, line) {
             {name: 'x', domain: {data: 'points', field: 'x'}, range: 'width', nice: true, zero: true},
             {name: 'y', domain: {data: 'points', field: 'y'}, range: 'height', nice: true, zero: true}
         ],
-        axes: [
-            {orient: 'bottom', scale: 'x', title: xTitle, grid: true, tickCount: 5},
-            {orient: 'left', scale: 'y', title: yTitle, grid: true, tickCount: 5}
-        ],
+        axes: plotAxes(xTitle, yTitle),
         marks: [
             {
                 type: 'symbol',
@@ -23,8 +20,7 @@ function scatterSpec(points, size, xTitle, yTitle, line) {
                 clip: true,
                 encode: {
                     update: {
-                        x: {scale: 'x', field: 'x'},
-                        y: {scale: 'y', field: 'y'},
+                        ...atPoint,
                         size: {value: points.length > 400 ? 9 : 24},
                         fill: {value: accent},
                         fillOpacity: {value: points.length > 400 ? 0.35 : 0.7}
@@ -38,8 +34,7 @@ function scatterSpec(points, size, xTitle, yTitle, line) {
                 clip: true,
                 encode: {
                     update: {
-                        x: {scale: 'x', field: 'x'},
-                        y: {scale: 'y', field: 'y'},
+                        ...atPoint,
                         stroke: {value: 'var(--ink)'},
                         strokeDash: {value: [5, 4]},
                         strokeWidth: {value: 1.2}
@@ -60,10 +55,7 @@ function curveSpec(curves, size, xTitle, yTitle) {
             {name: 'x', domain: [0, 1], range: 'width'}, {name: 'y', domain: [0, 1], range: 'height'},
             {name: 'which', type: 'ordinal', domain: {data: 'points', field: 'name'}, range: {scheme: 'tableau10'}}
         ],
-        axes: [
-            {orient: 'bottom', scale: 'x', title: xTitle, grid: true, tickCount: 5},
-            {orient: 'left', scale: 'y', title: yTitle, grid: true, tickCount: 5}
-        ],
+        axes: plotAxes(xTitle, yTitle),
         legends: new Set(curves.map(c => c.name)).size > 1 ?
             [{stroke: 'which', orient: 'bottom', columns: 2, symbolType: 'stroke'}] :
             [],
@@ -76,8 +68,7 @@ function curveSpec(curves, size, xTitle, yTitle) {
                 aria: false,
                 encode: {
                     update: {
-                        x: {scale: 'x', field: 'x'},
-                        y: {scale: 'y', field: 'y'},
+                        ...atPoint,
                         stroke: {scale: 'which', field: 'name'},
                         strokeWidth: {value: 2}
                     }
@@ -115,7 +106,7 @@ function barSpec(values, room, title, horizontal, colours, itemTitle) {
             }
         ],
         signals: [{name: 'names', value: values.map(v => v.name)}],
-        axes: [{orient: horizontal ? 'top' : 'left', scale: 'value', title, grid: true, tickCount: 5}].concat(
+        axes: [{orient: horizontal ? 'top' : 'left', scale: 'value', title, grid: true, tickCount: 5, format: '~g'}].concat(
             step >= 9 ? [{
                 orient: horizontal ? 'left' : 'bottom',
                 scale: 'item',

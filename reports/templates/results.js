@@ -1,7 +1,7 @@
 // ---- the sections that judge: classes, trust, volumes, comparison, and how to repeat the study
 function classSection() {
     if (!data.classes.length) return null;
-    const ks = [...new Set(data.classes.flatMap(c => c.k_nearest.map(x => x.k)))].sort((x, y) => x - y);
+    const ks = [...new Set(data.classes.flatMap(c => c.k_nearest.map(x => x.k)))].filter(k => k > 1).sort((x, y) => x - y);
     const find = (c, k) => {
         const hit = c.k_nearest.find(x => x.k === k);
         return hit ? percent(hit.accuracy) : '–';
@@ -17,7 +17,7 @@ function classSection() {
     const rows = [
         ['nearest neighbour (1-NN)', c => percent(c.nearest_neighbour)],
         ...ks.map(k => [`${k} nearest neighbours`, c => find(c, k)]),
-        ['bull\'s-eye', c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : '')],
+        ['bull\'s-eye', c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : ' (first 2 m, m the size of the class)')],
         ['mean average precision', c => num(c.mean_average_precision)],
         ['adjusted Rand index of the clusters', c => num(c.adjusted_rand)],
         ['adjusted mutual information', c => num(c.adjusted_mutual_information)],
@@ -73,9 +73,10 @@ function trustSection() {
     if (known(t.median_asymmetry))
         verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${
             percent(t.max_asymmetry)} at most.`);
-    verdicts.push(
-        t.not_converged.length ? `${plural(t.not_converged.length, 'pair')} did not converge.` :
-                                 'Every computed pair converged.');
+    if (!data.given_matrix)
+        verdicts.push(
+            t.not_converged.length ? `${plural(t.not_converged.length, 'pair')} did not converge.` :
+                                     'Every computed pair converged.');
     if (t.perturbations)
         verdicts.push(`With distances moved within their error bars (${t.perturbations} runs, seed ${
             t.seed}) the clusters agree with those shown: adjusted Rand index ${num(t.stability_rand)}.`);
@@ -104,9 +105,9 @@ function trustSection() {
         return draw(
             shepard,
             scatterSpec(
-                points, Math.min(420, (shepard.clientWidth || 360) - 76), 'geodesic distance', 'distance in the map',
+                points, Math.min(420, (shepard.clientWidth || 360) - 76), distanceName, 'distance in the map',
                 fitted.length ? fitted : null),
-            'Shepard diagram: distances in the map against geodesic distances; on the dashed line the map is exact.');
+            `Shepard diagram: distances in the map against the ${distanceName}s; on the dashed line the map is exact.`);
     }
     const silhouette = chartBox('silhouette-chart');
     if (t.silhouettes.length)

@@ -9,7 +9,7 @@ const remarks = (list, kind) =>
 function shapeLink(i, size) {
     return el(
         'button',
-        {type: 'button', class: 'shape', 'data-shape': i, click: () => pickShape(i), title: 'Choose for the geodesic'},
+        {type: 'button', class: 'shape', 'data-shape': i, click: () => pickShape(i), title: 'Choose for the pair'},
         size ? thumbnail(i, size, true) : null, el('span', {}, nameOf(i)));
 }
 
@@ -37,19 +37,20 @@ function bringPair() {
 function summarySection() {
     const tiles = [
         [data.shapes.length, data.dimension === 3 ? 'surfaces' : 'shapes'],
-        [`${data.pairs_done} / ${data.pairs_total}`, 'pairs computed'], [duration(data.seconds), 'wall clock'],
+        [`${data.pairs_done} / ${data.pairs_total}`, data.given_matrix ? 'pairs with a distance' : 'pairs computed'], [duration(data.seconds), 'wall clock'],
         [duration(data.cpu_seconds), 'sum over the pairs'],
-        [data.failures.length, data.failures.length === 1 ? 'failure' : 'failures']
+        [data.given_matrix ? '–' : data.failures.length, data.failures.length === 1 ? 'failure' : 'failures']
     ].filter(t => t[0] !== '–');
     const best = data.classes.find(c => known(c.nearest_neighbour));
     if (best) tiles.push([percent(best.nearest_neighbour), 'nearest neighbour of the same class']);
     const facts = [
-        ['collection', data.collection], ['preset', data.preset], ['created', data.created],
+        [data.given_matrix ? 'table' : 'collection', data.collection], ['preset', data.preset], ['created', data.created],
         ['unit of the distances', data.distance_unit]
     ].filter(f => f[1]);
     return section(
         'summary', 'Summary',
         el('ul', {class: 'tiles'}, tiles.map(([v, what]) => el('li', {}, el('strong', {}, v), el('span', {}, what)))),
+        data.warnings.map(w => el('p', {class: 'notice'}, shown(w))),
         el('dl', {class: 'facts'}, facts.map(([k, v]) => el('div', {}, el('dt', {}, k), el('dd', {}, shown(v))))),
         data.failures.length ?
             table(
@@ -251,14 +252,13 @@ function glanceSection() {
     if (count < 3 || count > 12 || !flat) return null;
     const graph = chartBox('glance-graph'), matrix = chartBox('glance-matrix');
     const order = data.linkages.length ? data.linkages[0].leaf_order : [...Array(count).keys()];
-    const edges = data.neighbour_graph.length ? data.neighbour_graph : data.spanning_tree;
     redraws.push(async () => {
         const view = await draw(
             graph,
             embeddingSpec(
-                flat, edges, Math.min(620, (graph.clientWidth || 400) - 16),
+                flat, fewEdges(), Math.min(620, (graph.clientWidth || 400) - 16),
                 {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
-            'Graph of the shapes; each edge carries the geodesic distance of its ends. All distances are in the matrix beside it.');
+            'Graph of the shapes; each edge carries the distance of its ends. All distances are in the matrix beside it.');
         view.addSignalListener('pick', (_, p) => {
             if (p) pickShape(p.i);
         });

@@ -1,6 +1,7 @@
 // ---- the model, and text made of it. Names are data: they reach the page as text nodes and attribute values only.
 const data = JSON.parse(document.getElementById('data').textContent);
 const count = data.shapes.length;
+const distanceName = data.given_matrix ? 'distance' : 'geodesic distance';
 
 /// An element; children are nodes or strings (text). Attributes: values are set as text; functions become listeners.
 function el(tag, attributes, ...children) {
@@ -22,7 +23,10 @@ function el(tag, attributes, ...children) {
 const known = x => x !== null && x !== undefined && Number.isFinite(x);
 function num(x, digits = 3) {
     if (!known(x)) return '–';
-    if (x !== 0 && (Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3)) return x.toExponential(digits - 1).replace('e', '·10^');
+    if (x !== 0 && (Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3)) {
+        const [digit, power] = x.toExponential(digits - 1).split('e');
+        return `${digit}·10${[...power.replace('+', '')].map(c => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)]).join('')}`;
+    }
     return Number(x.toPrecision(digits)).toString();
 }
 const percent = x => known(x) ? (100 * x).toFixed(1) + ' %' : '–';

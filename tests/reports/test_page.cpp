@@ -225,6 +225,29 @@ TEST_F(Page, NoOtherScriptCanRun) {
     EXPECT_THAT(browser_->console_errors(), testing::Contains(testing::HasSubstr("Content Security Policy")));
 }
 
+TEST_F(Page, AGivenTableHasNoGeodesics) {
+    auto model = tests::synthetic_model({.shapes = 8, .classes = 2, .paths = 0});
+    model.given_matrix = true;
+    model.volumes.reset();
+    model.links.clear();
+    for (auto& shape : model.shapes) shape.thumbnail = {}, shape.volume = unknown;
+    show(model);
+    const std::string page = text("main");
+    EXPECT_THAT(text(".headline"), testing::HasSubstr("given distances"));
+    EXPECT_THAT(page, testing::Not(testing::HasSubstr("morphodesic geodesic")));
+    EXPECT_THAT(page, testing::Not(testing::HasSubstr("Every computed pair converged")));
+    EXPECT_EQ(text("#pair h2"), "Two shapes");
+    expect_quiet();
+}
+
+TEST_F(Page, WarningsStandFirst) {
+    auto model = tests::synthetic_model({.shapes = 4, .classes = 2, .paths = 0});
+    model.warnings = {"The sizes differ by a factor of 836."};
+    show(model);
+    EXPECT_EQ(text("#summary .notice"), "The sizes differ by a factor of 836.");
+    expect_quiet();
+}
+
 TEST_F(Page, LightAndDark) {
     const auto background = [&] {
         return browser_->run("return getComputedStyle(document.body).backgroundColor").get<std::string>();

@@ -28,6 +28,24 @@ std::string written(const DistanceMatrix& matrix) {
     return out.str();
 }
 
+TEST(MatrixCsv, WhatRAndPandasWriteForMissingIsMissing) {
+    const DistanceMatrix d = read("\"\",\"a\",\"b\",\"c\"\n\"a\",0,NA,2\n\"b\",NA,0,NaN\n\"c\",2,nan,0\n");
+    EXPECT_EQ(d(0, 2), 2.0);
+    EXPECT_EQ(d.missing_count(), 2u);
+}
+
+TEST(MatrixCsv, BothDirectionsOfAnAsymmetricTableAreKept) {
+    const std::string text = ",a,b,c\na,0,1,4\nb,3,0,\nc,4,5,0\n";
+    EXPECT_THROW((void)read(text), ParseError);
+    std::vector<DirectedPair> both;
+    const DistanceMatrix d = read(text, {.asymmetry_tolerance = 1.0, .both_ways = &both});
+    EXPECT_EQ(d(0, 1), 2.0);
+    EXPECT_EQ(d(1, 2), 5.0);  // the known direction
+    ASSERT_EQ(both.size(), 1u);
+    EXPECT_EQ(both[0].forward, 1.0);
+    EXPECT_EQ(both[0].backward, 3.0);
+}
+
 struct BadCsv {
     const char* name;
     std::string text;
@@ -68,8 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCsv{"Diagonal", ",a,b\na,1,2\nb,2,1\n", 2, 2, "itself"},
                     BadCsv{"Words", ",a,b\na,0,far\nb,far,0\n", 2, 3, "'far' is not a number"},
                     BadCsv{"DecimalComma", ",a,b\na,0,\"1,5\"\nb,\"1,5\",0\n", 2, 3, "decimal point"},
-                    BadCsv{"NanText", ",a,b\na,0,NaN\nb,NaN,0\n", 2, 3, "leave the cell empty"},
-                    BadCsv{"NotAvailable", ",a,b\na,0,NA\nb,NA,0\n", 2, 3, "leave the cell empty"},
+                    BadCsv{"Text", ",a,b\na,0,N/A\nb,N/A,0\n", 2, 3, "leave the cell empty"},
                     BadCsv{"Infinite", ",a,b\na,0,inf\nb,inf,0\n", 2, 3, "not a distance"},
                     BadCsv{"TooLarge", ",a,b\na,0,1e999\nb,1e999,0\n", 2, 3, "too large"},
                     BadCsv{"AboveLimit", ",a,b\na,0,1e200\nb,1e200,0\n", 2, 3, "too large"},

@@ -1,0 +1,58 @@
+#include "pipeline/figure_files.h"
+
+#include <tbb/parallel_for.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "reports/figures.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A name that only the report gives; whatever else lies in the folder is the user's.
+bool is_figure(const fs::path& file) {
+    const std::string ending = file.extension().string(), name = file.stem().string();
+    if (ending != ".svg" && ending != ".pdf" && ending != ".png") return false;
+    for (const char* beginning : {"path_", "dendrogram_", "embedding_", "shepard_"}) {
+        if (name.rfind(beginning, 0) == 0) return true;
+    }
+    return std::set<std::string>{"heat_map", "graph", "page", "precision_recall", "volume_dendrogram", "compare"}
+        .contains(name);
+}
+
+}  // namespace
+
+void write_figures(const reports::ReportModel& model, const StudyFolder& folder) {
+    const std::vector<reports::Figure> figures = reports::figures(model);
+    const fs::path below = "figures", place = folder.path() / below;
+    std::set<std::string> names;
+    for (const reports::Figure& figure : figures) names.insert(figure.name);
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(place, ignored)) {
+        const fs::path file = entry.path();
+        if (is_figure(file) && !names.contains(file.stem().string())) fs::remove(file, ignored);
+    }
+    tbb::parallel_for(std::size_t{0}, figures.size(), [&](std::size_t k) {
+        const reports::Figure& figure = figures[k];
+        const auto file = [&](const char* ending) { return below / (figure.name + ending); };
+        const bool there = fs::exists(folder.path() / file(".pdf")) && fs::exists(folder.path() / file(".png"));
+        if (there && bytes_of(folder.path() / file(".svg")) == figure.svg) return;
+        std::error_code absent;
+        fs::remove(folder.path() / file(".svg"), absent);  // written last: it says that all three are there
+        folder.write(file(".pdf"), reports::svg_to_pdf(figure.svg));
+        folder.write(file(".png"), reports::svg_to_png(figure.svg, 0, 2.0));
+        folder.write(file(".svg"), figure.svg);
+    });
+}
+
+}  // namespace morphodesic::pipeline

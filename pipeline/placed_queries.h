@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/study.h"
+
+namespace morphodesic::pipeline {
+
+/// Distances of a further shape to those of a study.
+struct QueryRow {
+    std::string name;
+    std::vector<double> distances;  ///< one per item, in the order of the labels; NaN: not known
+};
+
+/// Reads the distances of further shapes to the items of a study. Two kinds of tables are understood, told apart by the
+/// header: a row per query (first cell: its name) with a column per item, and ranking.csv of `classify` with a row per
+/// query and template (columns file, template, distance). Items that the table does not name are not known.
+/// @throws analysis::ParseError if the table cannot be read, names no item, or a query has no distance
+[[nodiscard]] std::vector<QueryRow> read_queries(const std::filesystem::path& table,
+                                                 const std::vector<std::string>& labels);
+
+/// placed.csv: every query placed in every map of the analysis, the shapes of the study held fixed. One row per query
+/// and map: name, method, dimensions, x, y, z, stress (misfit of its distances), nearest (item), distance, class (of
+/// the nearest item).
+/// @param queries  distances in the order of `result.labels`
+[[nodiscard]] std::string placed_csv(const analysis::AnalysisResult& result, const std::vector<QueryRow>& queries);
+
+}  // namespace morphodesic::pipeline
