@@ -19,7 +19,8 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double rough = 1e-3;             // of the diagonal: from this roughness on a surface is smoothed
+constexpr double rough = 3.3e-3;  // of the diagonal: noise from which on a surface is smoothed; the detail of coarse
+                                  // meshes that are clean looks like up to 3e-3
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 
 std::string number(double value, const char* format = "%.3g") {
