@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::array<std::string_view, 14> image_endings = {".png",  ".jpg", ".jpeg", ".jpe", ".bmp", ".dib",  ".tif",
                                                             ".tiff", ".pgm", ".pbm",  ".ppm", ".pnm", ".webp", ".gif"};
-constexpr std::array<std::string_view, 7> solid_endings = {".ply", ".obj", ".stl", ".off", ".pcd", ".xyz", ".vdb"};
+constexpr std::array<std::string_view, 13> solid_endings = {".ply", ".obj",    ".stl",  ".off",  ".pcd", ".xyz", ".vdb",
+                                                            ".nii", ".nii.gz", ".nrrd", ".nhdr", ".mhd", ".mha"};
 
 std::string ending_of(const std::filesystem::path& file) {
     std::string ending = file.extension().string();
     for (char& c : ending) c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
+    if (ending == ".gz" && ending_of(file.stem()) == ".nii") ending = ".nii.gz";
     return ending;
 }
 
@@ -64,7 +66,8 @@ ShapeSource single_source(const std::filesystem::path& file) {
     if (source.dimension == 0) {
         throw ReadError(
             file, "this is not a kind of file that holds a shape",
-            "use an image (PNG, JPEG, BMP, TIFF, PNM, WebP, GIF) or a solid (PLY, OBJ, STL, OFF, PCD, XYZ, VDB)");
+            "use an image (PNG, JPEG, BMP, TIFF, PNM, WebP, GIF) or a solid (PLY, OBJ, STL, OFF, PCD, XYZ, VDB, NIfTI, "
+            "NRRD, MHD)");
     }
     const std::filesystem::path mask = file.parent_path() / (file.stem().string() + ".mask.png");
     if (std::filesystem::is_regular_file(mask, error)) source.mask_path = mask;

@@ -10,6 +10,7 @@
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
 #include "datasets/vdb_files.h"
+#include "datasets/volume.h"
 #include "datasets/voxelize.h"
 
 namespace morphodesic::datasets {
@@ -51,16 +52,21 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     solidify.close_gaps = options.close_gaps;
     solidify.speck_fraction = options.speck_fraction;
     MeshFile file;
-    bool is_volume = false;
+    bool is_level = false;  // bounded by a level of a volume
     if (is_point_cloud(source.path)) {
         file.mesh.points = read_point_cloud(source.path, options.max_megabytes, file.notes);
     } else if (is_vdb(source.path)) {
         file.mesh = read_vdb_surface(source.path, options.isovalue, options.max_megabytes, file.notes);
-        is_volume = true;
+        is_level = true;
+    } else if (is_volume(source.path)) {
+        Volume volume = read_volume(source.path, options.max_megabytes);
+        file.mesh = surface_of(source.path, volume, options.isovalue);
+        file.notes = std::move(volume.notes);
+        is_level = true;
     } else {
         file = read_mesh(source.path, options.max_megabytes);
     }
-    Solid solid = is_volume && topology(file.mesh).closed()
+    Solid solid = is_level && topology(file.mesh).closed()
                       ? finished_solid(std::move(file.mesh), source.path, solidify, {})
                   : file.mesh.triangles.empty() ? solid_from_points(std::move(file.mesh.points), source.path, solidify)
                                                 : solid_from_triangles(std::move(file.mesh), source.path, solidify);

@@ -5,11 +5,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
-#include <numbers>
 
 #include "datasets/distance_transform.h"
+#include "datasets/mesh_smoothing.h"
+#include "datasets/open_surface.h"
+#include "datasets/point_closing.h"
 #include "datasets/read_error.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/voxelize.h"
@@ -18,6 +19,8 @@
 namespace morphodesic::datasets {
 namespace {
 
+constexpr double rough = 3.3e-3;  // of the diagonal: noise from which on a surface is smoothed; the detail of coarse
+                                  // meshes that are clean looks like up to 3e-3
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 
 std::string number(double value, const char* format = "%.3g") {
@@ -59,192 +62,13 @@ void refuse_flat(const std::vector<Vector3>& points, const std::filesystem::path
     }
 }
 
-struct Turned {
-    std::size_t turned = 0;  ///< triangles
-    std::size_t hidden = 0;  ///< triangles of open patches that see nothing of the outside: walls within the solid
-};
-
-/// Turns each open patch so that its front, not its back, looks into the open, and removes those that do not see it at
-/// all; closed patches get a positive volume.
-Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const TriangleTree& surface) {
-    constexpr int directions = 24;
-    const double step = 1e-4 * bounding_box(mesh.points).diagonal();
-    std::vector<std::vector<int>> members(patch.count);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        members[patch.of_triangle[t]].push_back(static_cast<int>(t));
-    }
-    std::vector<char> turn(patch.count, 0), hidden(patch.count, 0);
-    const double total_area = surface_area(mesh);
-    tbb::parallel_for(0, patch.count, [&](int p) {
-        TriangleMesh part;  // without points: topology only compares indices
-        double area = 0.0, volume = 0.0;
-        for (const int t : members[p]) {
-            part.triangles.push_back(mesh.triangles[t]);
-            const auto c = mesh.corners(t);
-            area += 0.5 * norm(area_vector(c));
-            volume += dot(c[0] - mesh.points[0], cross(c[1] - mesh.points[0], c[2] - mesh.points[0]));
-        }
-        if (topology(part).closed()) {
-            turn[p] = volume < 0;
-            return;
-        }
-        // Samples evenly spaced in area.
-        const int samples = std::clamp(static_cast<int>(1000.0 * area / total_area), 3, 500);
-        double walked = 0.0;
-        int taken = 0, front = 0, back = 0;
-        for (const int t : members[p]) {
-            const auto c = mesh.corners(t);
-            const Vector3 n = area_vector(c);
-            walked += 0.5 * norm(n);
-            if (walked < area * (taken + 0.5) / samples) continue;
-            while (taken < samples && walked >= area * (taken + 0.5) / samples) ++taken;
-            const Vector3 unit = (1.0 / norm(n)) * n, centre = (1.0 / 3.0) * (c[0] + c[1] + c[2]);
-            for (int d = 0; d < directions; ++d) {  // spiral of evenly spread directions
-                const double z = 1.0 - (2.0 * d + 1.0) / directions, r = std::sqrt(1.0 - z * z), angle = 2.399963 * d;
-                Vector3 direction{r * std::cos(angle), r * std::sin(angle), z};
-                if (dot(direction, unit) < 0) direction = -1.0 * direction;
-                front += !surface.is_blocked(centre + step * unit, direction);
-                back += !surface.is_blocked(centre - step * unit, -1.0 * direction);
-            }
-        }
-        turn[p] = back > front;
-        hidden[p] = front + back < samples * directions / 50;  // 1 %
-    });
-    Turned result;
-    std::vector<std::array<int, 3>> kept;
-    kept.reserve(mesh.triangles.size());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const int p = patch.of_triangle[t];
-        if (hidden[p]) {
-            ++result.hidden;
-            continue;
-        }
-        kept.push_back(mesh.triangles[t]);
-        if (turn[p]) std::swap(kept.back()[1], kept.back()[2]), ++result.turned;
-    }
-    if (kept.empty()) return {};  // nothing sees the outside: leave it to the winding number
-    mesh.triangles = std::move(kept);
-    return result;
-}
-
-/// Generalised winding number minus 1/2 at the nodes. It is computed near the triangles and where it may pass 1/2 in a
-/// hole; elsewhere a neighbour's value will do: it is harmonic off the surface, so it changes little where it is near 0
-/// or 1 and no triangle lies between.
-std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& lattice,
-                                      const std::vector<float>& distance) {
-    constexpr int block = 4;
-    const double near = 1.05 * lattice.spacing;
-    const auto [nx, ny, nz] = lattice.nodes;
-    const std::array<int, 3> corners{(nx - 1) / block + 2, (ny - 1) / block + 2, (nz - 1) / block + 2};
-    const auto corner_index = [&](int i, int j, int k) {
-        return i + static_cast<std::size_t>(corners[0]) * (j + static_cast<std::size_t>(corners[1]) * k);
-    };
-    const auto evaluated = [&](int i, int j, int k) {
-        return static_cast<float>(tree.winding_number(lattice.position(i, j, k)) - 0.5);
-    };
-    std::vector<float> coarse(static_cast<std::size_t>(corners[0]) * corners[1] * corners[2]);
-    tbb::parallel_for(0, corners[2], [&](int k) {
-        for (int j = 0; j < corners[1]; ++j) {
-            for (int i = 0; i < corners[0]; ++i)
-                coarse[corner_index(i, j, k)] = evaluated(i * block, j * block, k * block);
-        }
-    });
-
-    enum State : char { open, known, copied };
-    std::vector<float> result(lattice.node_count());
-    std::vector<char> state(lattice.node_count(), open);
-    tbb::parallel_for(0, corners[2] - 1, [&](int bk) {
-        for (int bj = 0; bj + 1 < corners[1]; ++bj) {
-            for (int bi = 0; bi + 1 < corners[0]; ++bi) {
-                int above = 0;
-                bool may_pass_half = false, has_surface = false;
-                for (int c = 0; c < 8; ++c) {
-                    const float w = coarse[corner_index(bi + (c & 1), bj + (c >> 1 & 1), bk + (c >> 2))];
-                    above += w > 0;
-                    may_pass_half |= std::abs(w) < 0.15F;
-                }
-                may_pass_half |= above != 0 && above != 8;
-                const int i1 = std::min(nx, (bi + 1) * block), j1 = std::min(ny, (bj + 1) * block);
-                const int k1 = std::min(nz, (bk + 1) * block);
-                for (int k = bk * block; k < k1; ++k) {
-                    for (int j = bj * block; j < j1; ++j) {
-                        for (int i = bi * block; i < i1; ++i) {
-                            const std::size_t n = lattice.index(i, j, k);
-                            if (distance[n] > near) continue;
-                            has_surface = true;
-                            result[n] = evaluated(i, j, k);
-                            state[n] = known;
-                        }
-                    }
-                }
-                if (has_surface || may_pass_half) continue;
-                for (int k = bk * block; k < k1; ++k) {
-                    for (int j = bj * block; j < j1; ++j) {
-                        for (int i = bi * block; i < i1; ++i) {
-                            result[lattice.index(i, j, k)] = coarse[corner_index(bi, bj, bk)];
-                            state[lattice.index(i, j, k)] = known;
-                        }
-                    }
-                }
-            }
-        }
-    });
-    // Two rounds, so that a copy of a copy is the farthest a value travels.
-    const std::array<std::ptrdiff_t, 3> stride{1, nx, static_cast<std::ptrdiff_t>(nx) * ny};
-    for (int round = 0; round < 2; ++round) {
-        std::vector<std::pair<std::size_t, float>> copies;
-        for (int k = 1; k < nz - 1; ++k) {
-            for (int j = 1; j < ny - 1; ++j) {
-                for (int i = 1; i < nx - 1; ++i) {
-                    const std::size_t n = lattice.index(i, j, k);
-                    if (state[n] != open) continue;
-                    for (int side = 0; side < 6; ++side) {
-                        const std::size_t other = side % 2 ? n + stride[side / 2] : n - stride[side / 2];
-                        if (state[other] == open || std::abs(result[other]) < 0.4F) continue;
-                        copies.emplace_back(n, result[other]);
-                        break;
-                    }
-                }
-            }
-        }
-        for (const auto& [n, value] : copies) result[n] = value, state[n] = copied;
-    }
-    tbb::parallel_for(0, nz, [&](int k) {
-        for (int j = 0; j < ny; ++j) {
-            for (int i = 0; i < nx; ++i) {
-                const std::size_t n = lattice.index(i, j, k);
-                if (state[n] == open) result[n] = evaluated(i, j, k);
-            }
-        }
-    });
-    return result;
-}
-
-/// Rebuilds an open surface. Near triangles their distance says where the surface is; in holes the 1/2 level of the
-/// winding number does, at the distance |w - 1/2| / |grad w|.
-TriangleMesh rebuilt_open(const TriangleTree& tree, const Lattice& lattice, const std::vector<float>& distance) {
-    const auto h = static_cast<float>(lattice.spacing);
-    const std::vector<float> w = winding_above_half(tree, lattice, distance);
-    const auto [nx, ny, nz] = lattice.nodes;
-    std::vector<float> values(lattice.node_count(), -3.0F * h);
-    tbb::parallel_for(1, nz - 1, [&](int k) {
-        for (int j = 1; j < ny - 1; ++j) {
-            for (int i = 1; i < nx - 1; ++i) {
-                const std::size_t n = lattice.index(i, j, k);
-                float size = std::min(distance[n], 3.0F * h);
-                if (distance[n] > h) {
-                    const float gx = w[lattice.index(i + 1, j, k)] - w[lattice.index(i - 1, j, k)];
-                    const float gy = w[lattice.index(i, j + 1, k)] - w[lattice.index(i, j - 1, k)];
-                    const float gz = w[lattice.index(i, j, k + 1)] - w[lattice.index(i, j, k - 1)];
-                    const float slope = std::sqrt(gx * gx + gy * gy + gz * gz) / (2.0F * h);
-                    if (std::abs(w[n]) < slope * size) size = std::abs(w[n]) / slope;
-                }
-                values[n] = w[n] > 0 ? size : -size;
-            }
-        }
-    });
-
-    return isosurface(lattice, values);
+/// Smooths a noisy surface.
+void smooth_if_rough(TriangleMesh& mesh, double size, std::vector<std::string>& notes) {
+    const double noise = roughness(mesh);
+    if (noise < rough * size) return;
+    smooth_noise(mesh, noise);
+    notes.push_back("The surface is rough (noise of " + number(100.0 * noise / size, "%.2f") +
+                    " % of the object's size) and was smoothed.");
 }
 
 /// How much of a rebuilt surface was not in the file, and how far from it that lies.
@@ -306,101 +130,6 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
         notes.push_back("Holes were closed: " + percent(made.share) + " of the surface is new, the widest gap is " +
                         percent(made.gap / size) + " of the object's size.");
     }
-}
-
-/// 6th smallest distance to other points, for about a thousand of the points, in ascending order.
-std::vector<double> sorted_spacings(const std::vector<Vector3>& points) {
-    const std::size_t stride = points.size() / 1000 + 1;
-    std::vector<double> spacings((points.size() + stride - 1) / stride);
-    tbb::parallel_for(std::size_t{0}, spacings.size(), [&](std::size_t s) {
-        std::array<double, 7> nearest;
-        nearest.fill(1e300);
-        for (const auto& p : points) {
-            const Vector3 r = p - points[s * stride];
-            const double d = dot(r, r);
-            if (d >= nearest.back()) continue;
-            nearest.back() = d;
-            std::inplace_merge(nearest.begin(), nearest.end() - 1, nearest.end());
-        }
-        spacings[s] = std::sqrt(nearest.back());
-    });
-    std::sort(spacings.begin(), spacings.end());
-    return spacings;
-}
-
-/// Nodes that a ball of the given radius reaches from the border without touching a point.
-std::vector<char> reached_from_outside(const Lattice& lattice, const std::vector<float>& distance, double radius) {
-    std::vector<char> reached(lattice.node_count(), 0);
-    const auto [nx, ny, nz] = lattice.nodes;
-    std::vector<std::size_t> queue;
-    const auto visit = [&](int i, int j, int k) {
-        const std::size_t n = lattice.index(i, j, k);
-        if (!reached[n] && distance[n] > radius) reached[n] = 1, queue.push_back(n);
-    };
-    for (int k = 0; k < nz; ++k) {
-        for (int j = 0; j < ny; ++j) visit(0, j, k), visit(nx - 1, j, k);
-        for (int i = 0; i < nx; ++i) visit(i, 0, k), visit(i, ny - 1, k);
-    }
-    for (int j = 0; j < ny; ++j) {
-        for (int i = 0; i < nx; ++i) visit(i, j, 0), visit(i, j, nz - 1);
-    }
-    while (!queue.empty()) {
-        const std::size_t n = queue.back();
-        queue.pop_back();
-        const auto row = static_cast<std::size_t>(nx), plane = row * static_cast<std::size_t>(ny);
-        const int i = static_cast<int>(n % row), j = static_cast<int>(n % plane / row), k = static_cast<int>(n / plane);
-        if (i > 0) visit(i - 1, j, k);
-        if (i + 1 < nx) visit(i + 1, j, k);
-        if (j > 0) visit(i, j - 1, k);
-        if (j + 1 < ny) visit(i, j + 1, k);
-        if (k > 0) visit(i, j, k - 1);
-        if (k + 1 < nz) visit(i, j, k + 1);
-    }
-    return reached;
-}
-
-/// Signed distance of the closing: the region beyond the ball's reach, shrunk by its radius.
-struct Closing {
-    std::vector<float> values;  ///< > 0 inside
-    double volume = 0.0;        ///< by counting nodes
-    bool has_core = false;      ///< a ball of this radius fits inside: the points enclose more than themselves
-};
-Closing closing(const Lattice& lattice, const std::vector<float>& distance, double radius) {
-    const std::vector<char> outside = reached_from_outside(lattice, distance, radius);
-    const auto [nx, ny, nz] = lattice.nodes;
-    std::vector<Vector3> rim;  // where the ball's centre comes to a stop, between two nodes
-    Closing result;
-    for (int k = 0; k < nz; ++k) {
-        for (int j = 0; j < ny; ++j) {
-            for (int i = 0; i < nx; ++i) {
-                const std::size_t n = lattice.index(i, j, k);
-                if (!outside[n]) {
-                    result.has_core |= distance[n] > radius + 0.5 * lattice.spacing;
-                    continue;
-                }
-                const Vector3 x = lattice.position(i, j, k);
-                for (int side = 0; side < 6; ++side) {
-                    std::array<int, 3> m{i, j, k};
-                    m[side / 2] += side % 2 ? 1 : -1;
-                    if (m[side / 2] < 0 || m[side / 2] >= lattice.nodes[side / 2]) continue;
-                    const std::size_t other = lattice.index(m[0], m[1], m[2]);
-                    if (outside[other]) continue;
-                    const double t = (distance[n] - radius) / std::max<double>(distance[n] - distance[other], 1e-12);
-                    rim.push_back(x + std::clamp(t, 0.0, 1.0) * (lattice.position(m[0], m[1], m[2]) - x));
-                }
-            }
-        }
-    }
-    result.values.assign(lattice.node_count(), static_cast<float>(-radius));
-    if (rim.empty()) return result;
-    const std::vector<float> depth = distance_to_points(lattice, rim);
-    const double cell = std::pow(lattice.spacing, 3);
-    for (std::size_t n = 0; n < depth.size(); ++n) {
-        if (outside[n]) continue;
-        result.values[n] = static_cast<float>(depth[n] - radius);
-        if (result.values[n] > 0) result.volume += cell;
-    }
-    return result;
 }
 
 }  // namespace
@@ -492,6 +221,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     const Lattice lattice = lattice_around(box, h, 0.0);
 
     if (state.closed()) {
+        smooth_if_rough(mesh, box.diagonal(), notes);
         auto winding = winding_numbers(mesh, lattice);
         const auto [low, high] = std::minmax_element(winding.begin(), winding.end());
         if (*low >= 0 && *high == 1) return finished_solid(std::move(mesh), file, options, std::move(notes));
@@ -525,6 +255,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
+    smooth_if_rough(mesh, box.diagonal(), notes);
     std::string kind = "The surface is open (" + count(state.boundary_edges, "boundary edge") + ")";
     if (state.crowded_edges > 0)
         kind += " and has " + count(state.crowded_edges, "edge") + " of three or more triangles";
@@ -540,6 +271,11 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         return nearest.distance > 1.5 * h || dot(nearest.area_vector, piece.normal) < -0.3 * norm(nearest.area_vector);
     };
     judge_new_surface(new_surface(rebuilt, is_new), box.diagonal(), file, options, notes);
+    // What closes a hole goes on from its rim without an edge. Away from holes the rebuilt points lie on the triangles.
+    std::vector<char> is_new_point(rebuilt.points.size());
+    tbb::parallel_for(std::size_t{0}, is_new_point.size(),
+                      [&](std::size_t i) { is_new_point[i] = tree.nearest(rebuilt.points[i], h).distance > 0.15 * h; });
+    fair(rebuilt, is_new_point);
     return finished_solid(std::move(rebuilt), file, options, std::move(notes));
 }
 

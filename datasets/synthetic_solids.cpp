@@ -309,16 +309,17 @@ std::vector<int> random_patch(const TriangleMesh& mesh, double wanted_area, Rand
 }
 
 /// Merges points that share a cell of a grid into their mean.
-TriangleMesh clustered(const TriangleMesh& mesh, double cell) {
+/// @param places  of the points, by which they are sorted into cells: where they were before noise moved them
+TriangleMesh clustered(const TriangleMesh& mesh, const std::vector<Vector3>& places, double cell) {
     TriangleMesh result;
     std::map<std::array<long, 3>, int> number;
     std::vector<int> merged, members;
-    for (const auto& p : mesh.points) {
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
         std::array<long, 3> key;
-        for (int a = 0; a < 3; ++a) key[a] = std::lround(std::floor(p[a] / cell));
+        for (int a = 0; a < 3; ++a) key[a] = std::lround(std::floor(places[i][a] / cell));
         const auto [it, is_new] = number.try_emplace(key, static_cast<int>(result.points.size()));
         if (is_new) result.points.push_back({0, 0, 0}), members.push_back(0);
-        result.points[it->second] = result.points[it->second] + p;
+        result.points[it->second] = result.points[it->second] + mesh.points[i];
         ++members[it->second];
         merged.push_back(it->second);
     }
@@ -328,25 +329,43 @@ TriangleMesh clustered(const TriangleMesh& mesh, double cell) {
     return result;
 }
 
+/// Cuts each triangle into four.
+TriangleMesh halved(const TriangleMesh& mesh) {
+    TriangleMesh result{mesh.points, {}};
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+        const auto [it, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(result.points.size()));
+        if (is_new) result.points.push_back(0.5 * (mesh.points[a] + mesh.points[b]));
+        return it->second;
+    };
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+        result.triangles.insert(result.triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    return result;
+}
+
 }  // namespace
 
 TriangleMesh damaged(const TriangleMesh& mesh, const DamageOptions& options) {
     RandomSource random(options.seed);
     const double diagonal = bounding_box(mesh.points).diagonal();
-    TriangleMesh result = mesh;
-    if (options.kept < 1.0) {
-        double cell = 1e-3 * diagonal;
-        const double wanted = options.kept * static_cast<double>(mesh.points.size());
-        while (static_cast<double>(result.points.size()) > wanted && cell < 0.1 * diagonal) {
-            result = clustered(mesh, cell);
-            cell *= 1.1;
-        }
-    }
-    for (auto& p : result.points) {
+    const TriangleMesh dense = halved(mesh);
+    TriangleMesh noisy = dense;
+    for (auto& p : noisy.points) {
         for (double& x : p) {
             double sum = 0.0;  // of twelve uniform numbers: close to a normal distribution of variance 1
             for (int i = 0; i < 12; ++i) sum += random.uniform(-0.5, 0.5);
             x += options.noise * diagonal * sum;
+        }
+    }
+    TriangleMesh result = noisy;
+    if (options.kept < 1.0) {
+        double cell = 1e-3 * diagonal;
+        const double wanted = options.kept * static_cast<double>(noisy.points.size());
+        while (static_cast<double>(result.points.size()) > wanted && cell < 0.1 * diagonal) {
+            result = clustered(noisy, dense.points, cell);
+            cell *= 1.1;
         }
     }
     const double area = surface_area(result);

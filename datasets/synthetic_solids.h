@@ -40,12 +40,13 @@ std::vector<GeneratedSolid> quadrupeds(const CollectionOptions& options);
 /// @throws WriteError  if a file cannot be written
 void write_collection(const std::filesystem::path& folder, const std::vector<GeneratedSolid>& solids);
 
-/// How badly a scan is damaged.
+/// How badly a scan is damaged: it sees the surface in points twice as dense as the mesh, with noise, and is then
+/// decimated.
 struct DamageOptions {
     double holes = 0.05;   ///< share of the area that is missing, in five holes
     double noise = 0.005;  ///< standard deviation of the points' error, as a share of the bounding box's diagonal
     double turned = 0.1;   ///< share of the area whose triangles are inside out, in four patches
-    double kept = 0.5;     ///< share of the points that decimation leaves, about
+    double kept = 0.5;     ///< share of the scan's points that decimation leaves, about; 1: all
     std::uint64_t seed = 1;
 };
 /// A bad scan of a closed mesh.

@@ -1,0 +1,319 @@
+#include "datasets/mesh_smoothing.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+namespace morphodesic::datasets {
+namespace {
+
+constexpr std::size_t most_neighbours = 400;  // more do not make a fit better
+constexpr double widest = 0.07;               // neighbourhood, of the diagonal of the bounding box
+constexpr double growth = 1.35;               // from one neighbourhood to the next
+
+std::vector<Vector3> point_normals(const TriangleMesh& mesh) {
+    std::vector<Vector3> normals(mesh.points.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Vector3 n = area_vector(mesh.corners(t));
+        for (const int c : mesh.triangles[t]) normals[c] = normals[c] + n;
+    }
+    for (auto& n : normals) {
+        const double length = norm(n);
+        if (length > 0) n = (1.0 / length) * n;
+    }
+    return normals;
+}
+
+/// Some of the points of a mesh, sorted into boxes.
+class NearPoints {
+public:
+    /// @param share  of the points that are taken, spread evenly by their numbers
+    NearPoints(const std::vector<Vector3>& points, double radius, double share) : points_(points), side_(radius) {
+        const Box3 box = bounding_box(points);
+        low_ = box.low;
+        for (int a = 0; a < 3; ++a) boxes_[a] = static_cast<int>(box.side()[a] / side_) + 1;
+        const auto limit = static_cast<std::uint32_t>(std::min(1.0, share) * 4294967295.0);
+        std::vector<std::pair<std::size_t, int>> order;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (static_cast<std::uint32_t>(i) * 2654435769U <= limit) {
+                order.emplace_back(box_of(points[i]), static_cast<int>(i));
+            }
+        }
+        std::sort(order.begin(), order.end());
+        first_.assign(static_cast<std::size_t>(boxes_[0]) * boxes_[1] * boxes_[2] + 1, 0);
+        for (const auto& [b, i] : order) {
+            ++first_[b + 1];
+            sorted_.push_back(i);
+        }
+        for (std::size_t b = 1; b < first_.size(); ++b) first_[b] += first_[b - 1];
+    }
+    /// Calls visit(index) for the points within the radius.
+    template <class Visit>
+    void for_each(const Vector3& x, Visit&& visit) const {
+        std::array<int, 3> b;
+        for (int a = 0; a < 3; ++a) b[a] = static_cast<int>((x[a] - low_[a]) / side_);
+        for (int k = std::max(0, b[2] - 1); k <= std::min(boxes_[2] - 1, b[2] + 1); ++k) {
+            for (int j = std::max(0, b[1] - 1); j <= std::min(boxes_[1] - 1, b[1] + 1); ++j) {
+                const int i0 = std::max(0, b[0] - 1), i1 = std::min(boxes_[0] - 1, b[0] + 1);
+                for (std::size_t s = first_[number(i0, j, k)]; s < first_[number(i1, j, k) + 1]; ++s) {
+                    const Vector3 r = points_[sorted_[s]] - x;
+                    if (dot(r, r) < side_ * side_) visit(sorted_[s]);
+                }
+            }
+        }
+    }
+
+private:
+    [[nodiscard]] std::size_t number(int i, int j, int k) const {
+        return i + static_cast<std::size_t>(boxes_[0]) * (j + static_cast<std::size_t>(boxes_[1]) * k);
+    }
+    [[nodiscard]] std::size_t box_of(const Vector3& x) const {
+        std::array<int, 3> b;
+        for (int a = 0; a < 3; ++a) b[a] = std::min(static_cast<int>((x[a] - low_[a]) / side_), boxes_[a] - 1);
+        return number(b[0], b[1], b[2]);
+    }
+    const std::vector<Vector3>& points_;
+    double side_;
+    Vector3 low_{};
+    std::array<int, 3> boxes_{};
+    std::vector<std::size_t> first_;
+    std::vector<int> sorted_;
+};
+
+/// A quadric as a height over a plane through the point.
+struct Fit {
+    Vector3 origin{}, u{}, v{}, normal{};  ///< the plane and its normal
+    std::array<double, 6> c{};             ///< height: c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 at a u + b v
+    [[nodiscard]] double height_below(const Vector3& x) const {  ///< from x to the quadric, along the normal
+        const double a = dot(x - origin, u), b = dot(x - origin, v);
+        return c[0] + a * (c[1] + c[3] * a + c[4] * b) + b * (c[2] + c[5] * b) - dot(x - origin, normal);
+    }
+    [[nodiscard]] double bending(const Vector3& edge) const {  ///< second derivative along an edge times its length^2
+        const double a = dot(edge, u), b = dot(edge, v);
+        return 2.0 * (c[3] * a * a + c[4] * a * b + c[5] * b * b);
+    }
+    double residual = 0.0;  ///< root mean square, corrected for the six coefficients
+    double count = 0.0;     ///< points, as weighted
+    double spread = 0.0;    ///< standard deviation of height, of points that deviate by 1
+};
+
+std::optional<Fit> fit(const std::vector<Vector3>& points, const std::vector<Vector3>& normals, std::size_t point,
+                       const NearPoints& near, double radius) {
+    const Vector3& x = points[point];
+    thread_local std::vector<int> members;
+    members.clear();
+    Vector3 n{};
+    near.for_each(x, [&](int i) {
+        if (dot(normals[i], normals[point]) > 0.2) members.push_back(i), n = n + normals[i];
+    });
+    const double length = norm(n);
+    if (members.size() < 12 || !(length > 0)) return std::nullopt;
+    n = (1.0 / length) * n;
+    const int smallest = static_cast<int>(
+        std::min_element(n.begin(), n.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) - n.begin());
+    Vector3 e{};
+    e[smallest] = 1.0;
+    Vector3 u = cross(n, e);
+    u = (1.0 / norm(u)) * u;
+    const Vector3 v = cross(n, u);
+    Eigen::Matrix<double, 6, 6> system = Eigen::Matrix<double, 6, 6>::Zero(), twice = system;
+    Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+    double weights = 0.0, squares = 0.0, heights2 = 0.0;
+    for (const int i : members) {
+        if (dot(normals[i], n) < 0.2) continue;  // the far side of a thin part
+        const Vector3 r = (1.0 / radius) * (points[i] - x);
+        const double w = 1.0 - dot(r, r), a = dot(r, u), b = dot(r, v), z = dot(r, n);
+        Eigen::Matrix<double, 6, 1> row;
+        row << 1.0, a, b, a * a, a * b, b * b;
+        system.noalias() += w * row * row.transpose();
+        twice.noalias() += w * w * row * row.transpose();
+        right += w * z * row;
+        heights2 += w * z * z;
+        weights += w;
+        squares += w * w;
+    }
+    Fit result;
+    result.count = squares > 0 ? weights * weights / squares : 0.0;
+    if (result.count < 9.0) return std::nullopt;
+    system.diagonal().array() += 1e-9 * weights;
+    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(system);
+    const Eigen::Matrix<double, 6, 1> c = solver.solve(right);
+    const Eigen::Matrix<double, 6, 1> share = solver.solve(Eigen::Matrix<double, 6, 1>::Unit(0));
+    result.spread = std::sqrt(std::max(0.0, share.dot(twice * share)));
+    result.normal = n;
+    result.origin = x, result.u = u, result.v = v;
+    const double k = 1.0 / radius;
+    result.c = {radius * c[0], c[1], c[2], k * c[3], k * c[4], k * c[5]};
+    const double error = std::max(0.0, heights2 - c.dot(right)) / weights;
+    result.residual = radius * std::sqrt(error * result.count / (result.count - 6.0));
+    return result;
+}
+
+/// Radius of a disk that holds about so many points.
+double radius_for(const TriangleMesh& mesh, double count) {
+    return std::sqrt(count * surface_area(mesh) / (std::numbers::pi * static_cast<double>(mesh.points.size())));
+}
+
+}  // namespace
+
+double roughness(const TriangleMesh& mesh) {
+    if (mesh.points.size() < 200) return 0.0;  // a coarse model, not a scan
+    const double radius = radius_for(mesh, 25);
+    const NearPoints near(mesh.points, radius, 1.0);
+    const std::vector<Vector3> normals = point_normals(mesh);
+    const std::size_t stride = mesh.points.size() / 3000 + 1;
+    std::vector<double> residuals((mesh.points.size() + stride - 1) / stride, -1.0);
+    tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t s) {
+        if (const auto f = fit(mesh.points, normals, s * stride, near, radius)) residuals[s] = f->residual;
+    });
+    std::erase_if(residuals, [](double r) { return r < 0; });
+    if (residuals.size() < 50) return 0.0;
+    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+    std::nth_element(residuals.begin(), middle, residuals.end());
+    return *middle;
+}
+
+void smooth_noise(TriangleMesh& mesh, double noise) {
+    const std::vector<Vector3> normals = point_normals(mesh);
+    const std::size_t count = mesh.points.size();
+    const double last = widest * bounding_box(mesh.points).diagonal();
+    struct Estimate {
+        Fit fit;
+        double low = -1e300, high = 1e300;  ///< common to the confidence intervals of all neighbourhoods so far
+        int size = -1;                      ///< number of the neighbourhood; -1: none yet
+        bool is_final = false;
+    };
+    std::vector<Estimate> estimates(count);
+    const double first = radius_for(mesh, 16);
+    std::vector<double> radii{first};
+    while (radii.back() * growth < last) radii.push_back(radii.back() * growth);
+    const auto near_points = [&](double radius) {
+        const double held = 16.0 * (radius / first) * (radius / first);
+        return NearPoints(mesh.points, radius, static_cast<double>(most_neighbours) / held);
+    };
+    for (std::size_t size = 0; size < radii.size(); ++size) {
+        const NearPoints near = near_points(radii[size]);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            Estimate& e = estimates[i];
+            if (e.is_final) return;
+            const auto f = fit(mesh.points, normals, i, near, radii[size]);
+            if (!f) return;  // too few neighbours yet
+            const double deviation = noise * f->spread;
+            const double low = std::max(e.low, f->c[0] - deviation), high = std::min(e.high, f->c[0] + deviation);
+            const bool fits = f->residual <= noise * (1.0 + 1.0 / std::sqrt(2.0 * (f->count - 6.0)));
+            if (e.size >= 0 && (low > high || !fits)) {
+                e.is_final = true;
+                return;
+            }
+            e.low = low, e.high = high, e.fit = *f, e.size = static_cast<int>(size);
+        });
+    }
+    // Each point goes to the mean of what the quadrics around it say.
+    std::vector<Vector3> moved = mesh.points;
+    for (std::size_t size = 0; size < radii.size(); ++size) {
+        const NearPoints near = near_points(radii[size]);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            const Estimate& own = estimates[i];
+            if (own.size != static_cast<int>(size)) return;
+            const Vector3& x = mesh.points[i];
+            Vector3 sum{};
+            double weights = 0.0;
+            near.for_each(x, [&](int j) {
+                const Estimate& other = estimates[j];
+                if (other.size < 0 || dot(other.fit.normal, own.fit.normal) < 0.5) return;
+                const Vector3 r = x - mesh.points[j];
+                const double radius = radii[other.size], closeness = 1.0 - dot(r, r) / (radius * radius);
+                if (closeness <= 0.0) return;
+                const double w = closeness * closeness / (other.fit.spread * other.fit.spread);
+                sum = sum + (w * other.fit.height_below(x)) * other.fit.normal;
+                weights += w;
+            });
+            if (weights > 0.0) moved[i] = x + (1.0 / weights) * sum;
+        });
+    }
+    // Flat triangles between points of a bent surface cut corners: the points move out by what their triangles lack on
+    // average, so that the volume is right (the mean of a quadric over a triangle against its plane).
+    std::vector<double> lack(count, 0.0), area(count, 0.0);
+    mesh.points = moved;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto c = mesh.corners(t);
+        const double a = norm(area_vector(c));
+        for (const int p : mesh.triangles[t]) {
+            if (estimates[p].size < 0) continue;
+            double bends = 0.0;
+            for (int e = 0; e < 3; ++e) bends += estimates[p].fit.bending(c[(e + 1) % 3] - c[e]);
+            lack[p] -= a * bends / 24.0;
+            area[p] += a;
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (area[i] > 0.0) mesh.points[i] = mesh.points[i] + (lack[i] / area[i]) * estimates[i].fit.normal;
+    }
+}
+
+void fair(TriangleMesh& mesh, const std::vector<char>& is_free) {
+    // Second differences along the surface: of each point that is free or next to a free one, from the mean of its
+    // neighbours. Their squares are minimised over the free points.
+    std::vector<std::vector<int>> neighbours(mesh.points.size());
+    for (const auto& t : mesh.triangles) {
+        for (int c = 0; c < 3; ++c) {
+            const int a = t[c], b = t[(c + 1) % 3];
+            neighbours[a].push_back(b);
+            neighbours[b].push_back(a);
+        }
+    }
+    std::vector<int> unknown(mesh.points.size(), -1);
+    int count = 0;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        auto& list = neighbours[i];
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    // Free points that hang together with held ones; others have nothing that says where they belong.
+    std::vector<int> queue;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        if (!is_free[i]) queue.push_back(static_cast<int>(i));
+    }
+    for (std::size_t q = 0; q < queue.size(); ++q) {
+        for (const int j : neighbours[queue[q]]) {
+            if (is_free[j] && unknown[j] < 0) unknown[j] = count++, queue.push_back(j);
+        }
+    }
+    if (count == 0) return;
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(static_cast<Eigen::Index>(mesh.points.size()), 3);
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        const auto& list = neighbours[i];
+        const bool matters =
+            unknown[i] >= 0 || std::any_of(list.begin(), list.end(), [&](int j) { return unknown[j] >= 0; });
+        if (!matters || list.empty()) continue;
+        const auto add = [&](std::size_t j, double weight) {
+            if (unknown[j] >= 0) {
+                entries.emplace_back(static_cast<int>(i), unknown[j], weight);
+            } else {
+                for (int a = 0; a < 3; ++a) right(static_cast<Eigen::Index>(i), a) -= weight * mesh.points[j][a];
+            }
+        };
+        add(i, 1.0);
+        for (const int j : list) add(static_cast<std::size_t>(j), -1.0 / static_cast<double>(list.size()));
+    }
+    Eigen::SparseMatrix<double> differences(static_cast<Eigen::Index>(mesh.points.size()), count);
+    differences.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(
+        Eigen::SparseMatrix<double>(differences.transpose() * differences));
+    if (solver.info() != Eigen::Success) return;
+    const Eigen::MatrixX3d moved = solver.solve(differences.transpose() * right);
+    if (!moved.allFinite()) return;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        if (unknown[i] < 0) continue;
+        for (int a = 0; a < 3; ++a) mesh.points[i][a] = moved(unknown[i], a);
+    }
+}
+
+}  // namespace morphodesic::datasets

@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "datasets/mesh_smoothing.h"
+#include "datasets/random_source.h"
+#include "tests/datasets/solids/solid_files.h"
+
+namespace morphodesic::datasets {
+namespace {
+
+using namespace tests;
+
+const Vector3 middle{0.5, 0.5, 0.5};
+constexpr double radius = 0.3, noise = 0.004;
+
+TriangleMesh noisy_ball() {
+    TriangleMesh ball = ball_mesh(middle, radius, 5);
+    RandomSource random(3);
+    for (auto& p : ball.points) {
+        const double a = random.uniform(-1, 1) + random.uniform(-1, 1) + random.uniform(-1, 1);  // of variance 1
+        p = p + (noise * a / radius) * (p - middle);
+    }
+    return ball;
+}
+
+double deviation(const TriangleMesh& mesh) {
+    double sum = 0.0;
+    for (const auto& p : mesh.points) sum += std::pow(norm(p - middle) - radius, 2);
+    return std::sqrt(sum / static_cast<double>(mesh.points.size()));
+}
+
+TEST(MeshSmoothing, RoughnessIsTheNoise) {
+    EXPECT_NEAR(roughness(noisy_ball()), noise, 0.1 * noise);
+    EXPECT_LT(roughness(ball_mesh(middle, radius, 5)), 0.01 * noise);
+    EXPECT_LT(roughness(box_mesh({0, 0, 0}, {1, 1, 1})), 1e-12);
+}
+
+TEST(MeshSmoothing, NoiseGoesAndTheBallStays) {
+    TriangleMesh ball = noisy_ball();
+    smooth_noise(ball, roughness(ball));
+    EXPECT_LT(deviation(ball), 0.4 * noise);
+    EXPECT_NEAR(signed_volume(ball), 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), 0.004 * signed_volume(ball));
+}
+
+TEST(MeshSmoothing, FlatTrianglesDoNotCostVolume) {
+    TriangleMesh ball = ball_mesh(middle, radius, 4);  // its points on the sphere, its faces below it
+    const double exact = 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), before = signed_volume(ball);
+    smooth_noise(ball, 0.001);
+    EXPECT_LT(std::abs(signed_volume(ball) - exact), 0.3 * std::abs(before - exact));
+}
+
+TEST(MeshSmoothing, AFilledHoleGoesOnRound) {
+    const TriangleMesh ball = ball_mesh(middle, radius, 5);
+    TriangleMesh dented = ball;
+    std::vector<char> is_free(ball.points.size(), 0);
+    for (std::size_t i = 0; i < ball.points.size(); ++i) {
+        double& z = dented.points[i][2];
+        if (z > middle[2] + 0.85 * radius) z = middle[2] + 0.85 * radius, is_free[i] = 1;  // a flat lid
+    }
+    const double flat = deviation(dented);
+    fair(dented, is_free);
+    EXPECT_LT(deviation(dented), 0.15 * flat);
+    for (std::size_t i = 0; i < ball.points.size(); ++i) {
+        if (!is_free[i]) {
+            EXPECT_EQ(dented.points[i], ball.points[i]);
+        }
+    }
+}
+
+TEST(MeshSmoothing, WithoutAnyHeldPointNothingMoves) {
+    TriangleMesh ball = ball_mesh(middle, radius, 2);
+    const auto before = ball.points;
+    fair(ball, std::vector<char>(ball.points.size(), 1));
+    EXPECT_EQ(ball.points, before);
+}
+
+}  // namespace
+}  // namespace morphodesic::datasets
