@@ -53,16 +53,47 @@ std::vector<RankedTemplate> rank_templates(std::span<const double> distances, st
     return ranked;
 }
 
-double novelty_of(double distance, double scale) {
-    if (distance == 0.0) return 0.0;
-    return scale > 0.0 ? distance / scale : std::numeric_limits<double>::infinity();
-}
-
 double scale_of(const Calibration& calibration, const std::string& name) {
     for (const auto& s : calibration.scales) {
         if (s.name == name) return s.scale;
     }
     return missing;
+}
+
+double novelty_of(const std::vector<RankedClass>& ranked, const Calibration& calibration, double exponent) {
+    const double distance = ranked.front().distance, scale = scale_of(calibration, ranked.front().name);
+    if (distance == 0.0) return 0.0;
+    if (!(scale > 0.0)) return std::isnan(scale) ? missing : std::numeric_limits<double>::infinity();
+    if (exponent == 0.0 || ranked.size() < 2) return distance / scale;
+    return distance / scale * std::pow(distance / ranked[1].distance, exponent);
+}
+
+/// The rank that keeps the promised rate also for the next query (conformal prediction). @return NaN: too few values
+double conformal_limit(std::vector<double> values, double rate) {
+    std::sort(values.begin(), values.end());
+    const double rank = std::ceil((1.0 - rate) * static_cast<double>(values.size() + 1));
+    if (!(rate > 0.0) || !(rank <= static_cast<double>(values.size()))) return missing;
+    return values[static_cast<std::size_t>(rank) - 1];
+}
+
+/// Exponent and limit of the novelty: members must be accepted at the promised rate, and as many templates as possible
+/// turned away whose own class is left out.
+void calibrate_novelty(const std::vector<std::vector<RankedClass>>& members,
+                       const std::vector<std::vector<RankedClass>>& strangers, Calibration& result) {
+    result.strangers = strangers.size();
+    for (const double exponent : {0.0, 0.5, 1.0, 2.0, 4.0}) {
+        std::vector<double> novelties;
+        for (const auto& ranked : members) novelties.push_back(novelty_of(ranked, result, exponent));
+        const double limit = conformal_limit(novelties, result.options.false_rejection);
+        const auto rejected =
+            static_cast<std::size_t>(std::count_if(strangers.begin(), strangers.end(), [&](const auto& ranked) {
+                return ranked.size() > 1 && novelty_of(ranked, result, exponent) > limit;
+            }));
+        if (exponent > 0.0 && rejected <= result.strangers_rejected) continue;
+        result.novelty_exponent = exponent;
+        result.novelty_limit = limit;
+        result.strangers_rejected = rejected;
+    }
 }
 
 void check(const ClassifyOptions& options) {
@@ -99,9 +130,9 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
     result.confidence.kind = options.calibration;
     const std::vector<ClassCount> counts = class_counts(classes);
     std::map<std::string, std::vector<double>> own;  // distance of each member to its own class
-    std::vector<double> all, margins, best_distance;
+    std::vector<double> all, margins;
+    std::vector<std::vector<RankedClass>> members, strangers;
     std::vector<unsigned char> right;
-    std::vector<std::string> predicted;
     std::vector<double> row(n);
     for (std::size_t i = 0; i < n; ++i) {
         if (classes[i].empty()) continue;
@@ -116,8 +147,10 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
         result.right += good ? 1 : 0;
         margins.push_back(margin_of(ranked));
         right.push_back(good ? 1 : 0);
-        predicted.push_back(ranked.front().name);
-        best_distance.push_back(ranked.front().distance);
+        members.push_back(ranked);
+        strangers.push_back(ranked);
+        std::erase_if(strangers.back(), [&](const RankedClass& c) { return c.name == classes[i]; });
+        if (strangers.back().empty()) strangers.pop_back();
         for (const RankedClass& c : ranked) {
             if (c.name != classes[i]) continue;
             own[classes[i]].push_back(c.distance);
@@ -132,16 +165,7 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
         if (!std::isnan(typical)) members.push_back(typical);
         result.scales.push_back({c.name, mean(members)});
     }
-    std::vector<double> novelties;
-    for (std::size_t q = 0; q < predicted.size(); ++q) {
-        novelties.push_back(novelty_of(best_distance[q], scale_of(result, predicted[q])));
-    }
-    std::sort(novelties.begin(), novelties.end());
-    // The rank that keeps the promised rate also for the next query (conformal prediction).
-    const double rank = std::ceil((1.0 - options.false_rejection) * static_cast<double>(novelties.size() + 1));
-    if (options.false_rejection > 0.0 && rank <= static_cast<double>(novelties.size())) {
-        result.novelty_limit = novelties[static_cast<std::size_t>(rank) - 1];
-    }
+    calibrate_novelty(members, strangers, result);
     result.confidence = fit_confidence(margins, right, options.calibration);
     // Five folds over the margins in order, so that every fold has small and large ones.
     std::vector<std::size_t> order(margins.size());
@@ -189,8 +213,7 @@ Classification classify(std::span<const double> distances, std::span<const std::
     }
     if (calibration == nullptr) return result;
     result.confidence = calibration->confidence(result.margin);
-    const double scale = scale_of(*calibration, best.name);
-    result.novelty = std::isnan(scale) ? missing : novelty_of(best.distance, scale);
+    result.novelty = novelty_of(result.classes, *calibration, calibration->novelty_exponent);
     if (result.novelty > calibration->novelty_limit) {
         result.rejection = Rejection::too_far;
     } else if (result.confidence < options.least_confidence) {

@@ -42,8 +42,9 @@ struct Classification {
     double margin = 0.0;          ///< (d2 - d1) / (d2 + d1) of the two best classes, 0 .. 1; 1 if there is only one
     bool separated = false;       ///< the error bars of the two best classes do not overlap (false if not known)
     double confidence = missing;  ///< probability that the label is right; NaN without calibration
-    double novelty =
-        missing;  ///< d1 / usual distance of members of that class to their nearest; NaN without calibration
+    /// How little it belongs to any class: d1 / usual distance of members of that class to their nearest, times
+    /// (d1 / d2)^Calibration::novelty_exponent for the distance d2 of the second class; NaN without calibration.
+    double novelty = missing;
     std::vector<RankedClass> classes;       ///< nearest first; equal ones by name
     std::vector<RankedTemplate> templates;  ///< nearest first; those without distance are left out
 };
@@ -61,6 +62,10 @@ struct Calibration {
         double scale;
     };
     std::vector<ClassScale> scales;  ///< alphabetical
+    /// Of the ratio of the two best classes' distances in the novelty: that of a few values with which most templates
+    /// are turned away if their own class is left out. 0 with fewer than three classes.
+    double novelty_exponent = 0.0;
+    std::size_t strangers = 0, strangers_rejected = 0;  ///< templates with their class left out; of these turned away
     double novelty_limit =
         missing;              ///< larger novelty: "none of these"; NaN: too few templates for this rate, never reject
     Reliability reliability;  ///< of confidences from curves that were fitted without the answer (five folds)

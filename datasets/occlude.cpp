@@ -15,6 +15,8 @@
 #include "datasets/outline_geometry.h"
 #include "datasets/random_source.h"
 #include "datasets/read_error.h"
+#include "datasets/solid_reader.h"
+#include "datasets/vdb_files.h"
 
 namespace morphodesic::datasets {
 
@@ -125,7 +127,10 @@ private:
     }
 
     void hide_region() {
-        const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi), c = std::cos(angle), s = std::sin(angle);
+        double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
+        // Rows run downwards, and the smallest values are hidden.
+        if (!options_.direction.empty()) angle = std::atan2(options_.direction[1], -options_.direction[0]);
+        const double c = std::cos(angle), s = std::sin(angle);
         const std::size_t centre = random_pixel();
         std::vector<double> key(object_.values.size());
         for (std::size_t p = 0; p < key.size(); ++p) {
@@ -262,6 +267,12 @@ std::vector<std::string> OcclusionOptions::problems() const {
     if (kind != "half-plane" && kind != "disk" && kind != "stripe" && kind != "limb") {
         result.push_back("kind must be half-plane, disk, stripe or limb, not \"" + kind + "\"");
     }
+    if (!direction.empty()) {
+        const bool usable = direction.size() >= 2 && direction.size() <= 3 &&
+                            std::any_of(direction.begin(), direction.end(), [](double d) { return d != 0.0; });
+        if (!usable) result.push_back("a direction has two numbers (x,y), for solids three (x,y,z), not all zero");
+        if (kind != "half-plane") result.push_back("only half-plane has a direction");
+    }
     if (per_shape < 1 || per_shape > 1000) result.push_back("the number of queries per shape must be from 1 to 1000");
     return result;
 }
@@ -269,6 +280,133 @@ std::vector<std::string> OcclusionOptions::problems() const {
 OccludedPicture occlude(const Coverage& object, const OcclusionOptions& options, std::uint64_t seed) {
     for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
     return Occluder(object, options, seed).hide();
+}
+
+OccludedPicture hide_polygons(const Drawing& drawing, const std::vector<std::size_t>& part, double margin, int side) {
+    Drawing hidden = drawing, rest = drawing;
+    hidden.polygons.clear();
+    rest.polygons.clear();
+    for (std::size_t i = 0; i < drawing.polygons.size(); ++i) {
+        const bool is_hidden = std::find(part.begin(), part.end(), i) != part.end();
+        (is_hidden ? hidden : rest).polygons.push_back(drawing.polygons[i]);
+    }
+    const Coverage whole = rasterize(drawing, side), cover = rasterize(hidden, side);
+    OccludedPicture result{rasterize(rest, side), {side, side, std::vector<float>(whole.values.size(), 0.0F)}, 0.0};
+    std::vector<std::size_t> starts;
+    for (std::size_t p = 0; p < cover.values.size(); ++p) {
+        if (cover.values[p] > 0.0F) starts.push_back(p);
+    }
+    PixelPaths around(side, side);
+    around.grow(starts, margin * side, [](std::size_t) { return true; });
+    double all = 0.0, visible = 0.0;
+    for (std::size_t p = 0; p < whole.values.size(); ++p) {
+        if (around.length[p] < infinity && result.visible.values[p] < 0.5F) {
+            result.hidden.values[p] = 1.0F;
+            result.visible.values[p] = 0.0F;
+        }
+        all += whole.values[p];
+        visible += result.visible.values[p];
+    }
+    if (all > 0.0) result.hidden_share = 1.0 - visible / all;
+    return result;
+}
+
+TriangleMesh cut_by_plane(const TriangleMesh& closed_mesh, double fraction, const Vector3& direction) {
+    const double length = norm(direction), total = signed_volume(closed_mesh);
+    if (!(length > 0.0)) throw std::invalid_argument("the direction of a cut is zero");
+    if (!(total > 0.0)) throw std::invalid_argument("there is no solid to hide a part of");
+    const Vector3 normal = (1.0 / length) * direction;
+    double low = infinity, high = -infinity;
+    for (const auto& p : closed_mesh.points) low = std::min(low, dot(p, normal)), high = std::max(high, dot(p, normal));
+    // Polygons of the triangles on one side of the plane {dot(x, normal) = offset}.
+    const auto clipped = [&](double offset, double side, auto&& visit) {
+        for (std::size_t t = 0; t < closed_mesh.triangles.size(); ++t) {
+            const auto corners = closed_mesh.corners(t);
+            std::vector<Vector3> polygon;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vector3 &a = corners[c], &b = corners[(c + 1) % 3];
+                const double da = side * (dot(a, normal) - offset), db = side * (dot(b, normal) - offset);
+                if (da >= 0.0) polygon.push_back(a);
+                if ((da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0)) polygon.push_back(a + (da / (da - db)) * (b - a));
+            }
+            for (std::size_t c = 2; c < polygon.size(); ++c) visit(polygon[0], polygon[c - 1], polygon[c]);
+        }
+    };
+    // Volume beyond the plane: seen from a point of the plane, the cut itself encloses nothing.
+    const auto beyond = [&](double offset) {
+        const Vector3 apex = offset * normal;
+        double sum = 0.0;
+        clipped(offset, 1.0, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
+            sum += dot(a - apex, cross(b - apex, c - apex)) / 6.0;
+        });
+        return sum;
+    };
+    for (int k = 0; k < 40; ++k) {
+        const double middle = 0.5 * (low + high);
+        (beyond(middle) > fraction * total ? low : high) = middle;
+    }
+    TriangleMesh result;
+    clipped(0.5 * (low + high), -1.0, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
+        const int first = static_cast<int>(result.points.size());
+        result.points.insert(result.points.end(), {a, b, c});
+        result.triangles.push_back({first, first + 1, first + 2});
+    });
+    clean(result);
+    return result;
+}
+
+namespace {
+
+/// The tables beside queries.
+class QueryTables {
+public:
+    void add(const std::string& file, const std::string& label, const std::string& source, const std::string& kind,
+             double hidden_share) {
+        const std::string row = csv_field(file) + "," + csv_field(label);
+        truth_ += row + "\n";
+        parameters_ +=
+            row + "," + csv_field(source) + "," + csv_field(kind) + "," + std::to_string(hidden_share) + "\n";
+    }
+    void write(const std::filesystem::path& folder) const {
+        write_text_file(folder / "truth.csv", truth_);
+        write_text_file(folder / "parameters.csv", parameters_);
+    }
+
+private:
+    std::string truth_ = "file,label\n", parameters_ = "file,label,source,kind,hidden_share\n";
+};
+
+void write_picture(const std::filesystem::path& folder, const std::string& name, const OccludedPicture& picture) {
+    write_coverage(folder / (name + ".png"), picture.visible, true);
+    write_coverage(folder / (name + ".mask.png"), picture.hidden, false);
+}
+
+Vector3 random_direction(RandomSource& random) {
+    for (;;) {
+        const Vector3 d{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
+        if (norm(d) > 0.1 && norm(d) <= 1.0) return d;
+    }
+}
+
+}  // namespace
+
+void write_hidden_limbs(const std::vector<Drawing>& men, const std::filesystem::path& folder, int side,
+                        std::uint64_t seed) {
+    std::set<std::string> files;
+    for (const Drawing& man : men) files.insert({man.name + ".png", man.name + ".mask.png"});
+    prepare_collection_folder(folder, files);
+    QueryTables tables;
+    for (const Drawing& man : men) {
+        RandomSource random(mixed(seed, man.name));
+        // Torso, head, then right arm, left arm, right leg, left leg: two polygons each.
+        const std::size_t arm = random.uniform(0.0, 1.0) < 0.5 ? 2 : 4, leg = random.uniform(0.0, 1.0) < 0.5 ? 6 : 8;
+        const OccludedPicture picture = hide_polygons(man, {arm, arm + 1, leg, leg + 1}, 0.03, side);
+        write_picture(folder, man.name, picture);
+        const std::string kind =
+            std::string(arm == 2 ? "right" : "left") + " arm and " + (leg == 6 ? "right" : "left") + " leg";
+        tables.add(man.name + ".png", man.label, man.name, kind, picture.hidden_share);
+    }
+    tables.write(folder);
 }
 
 OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const std::filesystem::path& folder,
@@ -280,37 +418,58 @@ OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const s
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (int k = 0; k < options.per_shape; ++k) {
             names[i].push_back(options.per_shape == 1 ? stems[i] : stems[i] + "." + std::to_string(k + 1));
-            files.insert(names[i].back() + ".png");
-            files.insert(names[i].back() + ".mask.png");
+            if (sources[i].dimension == 3) {
+                files.insert(names[i].back() + ".ply");
+            } else {
+                files.insert({names[i].back() + ".png", names[i].back() + ".mask.png"});
+            }
         }
     }
     prepare_collection_folder(folder, files);
     OcclusionSummary summary;
-    std::string truth = "file,label\n", parameters = "file,label,source,kind,hidden_share\n";
+    QueryTables tables;
     for (std::size_t i = 0; i < sources.size(); ++i) {
-        if (sources[i].dimension != 2) {
-            summary.problems.push_back(
-                {sources[i].path, "parts of solids cannot be hidden", "name a folder of images"});
+        const bool solid = sources[i].dimension == 3;
+        if (solid && options.kind != "half-plane") {
+            summary.problems.push_back({sources[i].path, "parts of solids can only be cut off by planes",
+                                        "use --kind half-plane, or name a folder of images"});
+            continue;
+        }
+        if (!options.direction.empty() && options.direction.size() != (solid ? 3U : 2U)) {
+            summary.problems.push_back({sources[i].path, "the direction has the wrong number of coordinates",
+                                        solid ? "give three: x,y,z" : "give two: x,y (y up)"});
             continue;
         }
         try {
+            const auto add = [&](const std::string& file, double hidden_share) {
+                tables.add(file, sources[i].label, sources[i].name, options.kind, hidden_share);
+                ++summary.queries;
+            };
+            if (solid) {
+                const RawShape<3> raw = read_shape_3d(sources[i], import_options);
+                const TriangleMesh& mesh = dynamic_cast<const SolidGeometry&>(*raw.geometry).mesh();
+                for (const std::string& name : names[i]) {
+                    RandomSource random(mixed(options.seed, name));
+                    const Vector3 direction =
+                        options.direction.empty()
+                            ? random_direction(random)
+                            : Vector3{options.direction[0], options.direction[1], options.direction[2]};
+                    write_ply(folder / (name + ".ply"), cut_by_plane(mesh, options.fraction, direction));
+                    add(name + ".ply", options.fraction);
+                }
+                continue;
+            }
             const Coverage object = square_picture(read_shape_2d(sources[i], import_options));
             for (const std::string& name : names[i]) {
                 const OccludedPicture picture = occlude(object, options, mixed(options.seed, name));
-                write_coverage(folder / (name + ".png"), picture.visible, true);
-                write_coverage(folder / (name + ".mask.png"), picture.hidden, false);
-                const std::string row = csv_field(name + ".png") + "," + csv_field(sources[i].label);
-                truth += row + "\n";
-                parameters += row + "," + csv_field(sources[i].name) + "," + options.kind + "," +
-                              std::to_string(picture.hidden_share) + "\n";
-                ++summary.queries;
+                write_picture(folder, name, picture);
+                add(name + ".png", picture.hidden_share);
             }
         } catch (const ReadError& error) {
             summary.problems.push_back({error.file(), error.problem(), error.remedy()});
         }
     }
-    write_text_file(folder / "truth.csv", truth);
-    write_text_file(folder / "parameters.csv", parameters);
+    tables.write(folder);
     return summary;
 }
 

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "datasets/drawing.h"
 #include "datasets/folder_scan.h"
 #include "datasets/import_options.h"
 #include "datasets/outline.h"
+#include "datasets/triangle_mesh.h"
 
 namespace morphodesic::datasets {
 
@@ -18,6 +20,8 @@ struct OcclusionOptions {
     std::uint64_t seed = 1;           ///< direction and place are random, but the same for the same file name and seed
     int per_shape = 1;                ///< queries made from every shape, >= 1
     bool largest_part = false;        ///< hide all of what is left but its largest part
+    /// half-plane: towards which side the hidden part lies, (x, y) with y up, for solids (x, y, z); empty: random
+    std::vector<double> direction;
 
     [[nodiscard]] std::vector<std::string> problems() const;  ///< every violated constraint; empty if usable
 };
@@ -41,8 +45,25 @@ struct OcclusionSummary {
     std::vector<ScanProblem> problems;  ///< shapes that could not be read
 };
 
+/// Hides a part of a drawing and what lies around it, but nothing of its other parts.
+/// @param part    numbers of the polygons that are hidden
+/// @param margin  reach of the hidden region around them, in units of the square
+OccludedPicture hide_polygons(const Drawing& drawing, const std::vector<std::size_t>& part, double margin, int side);
+
+/// What is left of a closed surface where a part of its volume lies beyond a plane and is missing: open along the cut.
+/// @param direction  normal of the plane, towards the missing part
+/// @throws std::invalid_argument if the direction is zero or the mesh encloses nothing
+TriangleMesh cut_by_plane(const TriangleMesh& closed_mesh, double fraction, const Vector3& direction);
+
+/// Makes queries from drawings of datasets::matchstick of which one arm and one leg, on sides chosen at random, are
+/// hidden: files as write_occluded writes them.
+/// @throws ReadError, WriteError as there
+void write_hidden_limbs(const std::vector<Drawing>& men, const std::filesystem::path& folder, int side,
+                        std::uint64_t seed);
+
 /// Makes queries from shapes: NAME.png (black on white), NAME.mask.png (white = hidden), truth.csv (file,label) and
-/// parameters.csv (file, label, source, kind, hidden share) in a folder that is created if need be.
+/// parameters.csv (file, label, source, kind, hidden share) in a folder that is created if need be. From solids scans
+/// are made that are cut off by a plane: NAME.ply, open where they are cut (half-plane only).
 /// @throws ReadError   if the folder holds other shapes
 /// @throws WriteError  if a file cannot be written
 OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const std::filesystem::path& folder,

@@ -1,5 +1,7 @@
 #include "datasets/solid_reader.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <string_view>
@@ -9,6 +11,7 @@
 #include "datasets/point_cloud_reader.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
+#include "datasets/triangle_tree.h"
 #include "datasets/vdb_files.h"
 #include "datasets/volume.h"
 #include "datasets/voxelize.h"
@@ -46,6 +49,55 @@ LevelSet<3> SolidGeometry::signed_distance(const DyadicGrid<3>& grid, const Plac
     return datasets::signed_distance(placed, grid);
 }
 
+ScalarField<3> SolidGeometry::occlusion_mask(const DyadicGrid<3>& grid, const Placement<3>& placement) const {
+    if (invented_.empty()) return {};
+    TriangleMesh invented, seen;
+    invented.points = seen.points = mesh_.points;
+    for (std::size_t t = 0, next = 0; t < mesh_.triangles.size(); ++t) {
+        const bool is_new = next < invented_.size() && invented_[next] == t;
+        (is_new ? invented : seen).triangles.push_back(mesh_.triangles[t]);
+        next += is_new ? 1 : 0;
+    }
+    if (seen.triangles.empty()) return {};
+    for (auto* mesh : {&invented, &seen}) {
+        for (auto& p : mesh->points) p = placement(p);
+    }
+    const TriangleTree new_tree(invented), seen_tree(seen);
+    const LevelSet<3> u = signed_distance(grid, placement);
+    const double h = grid.spacing(), far = 2.0;
+    ScalarField<3> chi(grid, 1.0);
+    tbb::parallel_for(std::size_t{0}, chi.values.size(), [&](std::size_t i) {
+        if (u.values[i] > h) return;
+        const Point<3> x = grid.position(grid.node(i));
+        const double to_seen = seen_tree.nearest(x, far).distance;
+        // Points beyond the rim of a hole are as near to one as to the other.
+        const double to_new = new_tree.nearest(x, std::min(far, to_seen + 2 * h)).distance;
+        chi.values[i] = std::clamp((to_new - to_seen) / h - 0.5, 0.0, 1.0);
+    });
+    return chi;
+}
+
+namespace {
+
+/// Triangles of a closed mesh that lie off the triangles of the scan it was made from.
+std::vector<std::size_t> invented_triangles(const TriangleMesh& closed, const TriangleMesh& scan) {
+    const Box3 box = bounding_box(closed.points);
+    const double cell = std::max({box.side()[0], box.side()[1], box.side()[2]}) / SolidifyOptions{}.cells;
+    const TriangleTree tree(scan);
+    std::vector<char> is_new(closed.triangles.size(), 0);
+    tbb::parallel_for(std::size_t{0}, is_new.size(), [&](std::size_t t) {
+        const auto c = closed.corners(t);
+        is_new[t] = tree.nearest((1.0 / 3.0) * (c[0] + c[1] + c[2]), 1.5 * cell).distance >= 1.5 * cell ? 1 : 0;
+    });
+    std::vector<std::size_t> result;
+    for (std::size_t t = 0; t < is_new.size(); ++t) {
+        if (is_new[t] != 0) result.push_back(t);
+    }
+    return result;
+}
+
+}  // namespace
+
 RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& options) {
     for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
     SolidifyOptions solidify;
@@ -66,10 +118,16 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     } else {
         file = read_mesh(source.path, options.max_megabytes);
     }
+    TriangleMesh scan;
+    if (options.border == "hides" && !is_level && !file.mesh.triangles.empty() && !topology(file.mesh).closed()) {
+        scan = file.mesh;
+    }
     Solid solid = is_level && topology(file.mesh).closed()
                       ? finished_solid(std::move(file.mesh), source.path, solidify, {})
                   : file.mesh.triangles.empty() ? solid_from_points(std::move(file.mesh.points), source.path, solidify)
                                                 : solid_from_triangles(std::move(file.mesh), source.path, solidify);
+    std::vector<std::size_t> invented;
+    if (!scan.triangles.empty()) invented = invented_triangles(solid.mesh, scan);
     if (is_listed(source.name, options.mirror)) {
         mirror(solid.mesh);
         solid.centroid[0] = -solid.centroid[0];
@@ -92,7 +150,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
         raw.frame_low = box.low - 0.2 * box.side();
         raw.frame_high = box.high + 0.2 * box.side();
     }
-    raw.geometry = std::make_shared<SolidGeometry>(std::move(solid.mesh));
+    raw.geometry = std::make_shared<SolidGeometry>(std::move(solid.mesh), std::move(invented));
     return raw;
 }
 

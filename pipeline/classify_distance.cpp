@@ -6,13 +6,23 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <numbers>
 
+#include "geodesic/grid/contour.h"
 #include "geodesic/grid/transfer.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Grid on which guesses are judged.
+constexpr int guess_level(int dimension) {
+    return dimension == 2 ? 5 : 4;
+}
+/// eta of one time step: what the mismatch of an alignment costs if nothing is deformed.
+constexpr double mismatch_scale = 25.0;
 
 /// Level on which masks are grown and shares are counted.
 constexpr int mask_level(int dimension) {
@@ -44,6 +54,12 @@ ScalarField<Dim> widened(const ScalarField<Dim>& mask) {
                                 [&](std::size_t j) { result.values[i] = std::min(result.values[i], mask.values[j]); });
     }
     return result;
+}
+
+/// What the energy of the visible part is divided by. Its share alone is not enough: the less of a template is
+/// compared, the more freely size and place can be chosen; the power is the one that ranks best (CLASSIFY.md).
+double visible_weight(double hidden_share) {
+    return std::pow(std::max(0.05, 1.0 - hidden_share), 1.5);
 }
 
 /// Share of the whole shape where chi is 0, weighted by 1 - chi.
@@ -88,6 +104,8 @@ const char* to_string(Hypothesis hypothesis) {
             return "a part is missing";
         case Hypothesis::added:
             return "a part was added";
+        case Hypothesis::cut_off:
+            return "a part beyond a straight line is missing";
     }
     return "?";
 }
@@ -173,75 +191,199 @@ ScalarField<Dim> grown_mask(const LevelSet<Dim>& query, const LevelSet<Dim>& who
 }
 
 template <int Dim>
-PartialMatcher<Dim>::PartialMatcher(std::shared_ptr<const ComparedShape<Dim>> query, const ClassifyOptions& options,
-                                    const std::string& normalize, const std::string& align, bool estimate)
-    : query_(std::move(query)),
-      options_(options),
-      free_size_(normalize == "each"),
-      estimate_(estimate && query_->mask.values.empty()),
-      align_(align),
-      aligner_(query_->level_set, query_->mask) {}
+ComparedShape<Dim> mirror_image(const ComparedShape<Dim>& shape) {
+    ComparedShape<Dim> result = shape;
+    const auto turn = [](const DyadicGrid<Dim>& grid, const std::vector<double>& from, std::vector<double>& to) {
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            auto node = grid.node(i);
+            node[0] = grid.cells_per_axis() - node[0];
+            to[grid.index(node)] = from[i];
+        }
+    };
+    turn(shape.level_set.grid, shape.level_set.values, result.level_set.values);
+    turn(shape.mask.grid, shape.mask.values, result.mask.values);
+    result.digest += " mirrored";
+    return result;
+}
+
+template <>
+std::vector<ScalarField<3>> cut_off_masks<3>(const LevelSet<3>&, std::size_t) {
+    return {};
+}
+
+template <>
+std::vector<ScalarField<2>> cut_off_masks<2>(const LevelSet<2>& visible, std::size_t count) {
+    const double h = visible.grid.spacing(), tolerance = 0.6 * h;
+    std::vector<Point<2>> points;
+    double area = 0.0;
+    for (const double u : visible.values) area += u > 0 ? h * h : 0.0;
+    for (const ContourLoop& loop : contour(visible)) points.insert(points.end(), loop.begin(), loop.end());
+    struct Line {
+        double angle, offset, contact;  ///< {x cos + y sin = offset}; the shape lies below
+    };
+    const auto line_at = [&](double angle) {
+        const double c = std::cos(angle), s = std::sin(angle);
+        double most = -1e300;
+        for (const auto& p : points) most = std::max(most, c * p[0] + s * p[1]);
+        double sum = 0.0, crossings = 0.0;
+        for (const auto& p : points) {
+            const double at = c * p[0] + s * p[1];
+            if (at < most - 2 * tolerance) continue;
+            sum += at, crossings += 1.0;
+        }
+        // Vertices lie on grid edges: a straight piece of length l crosses so many of them.
+        return Line{angle, sum / crossings, crossings * h / (std::abs(c) + std::abs(s))};
+    };
+    constexpr int directions = 360;
+    const double step = 2 * std::numbers::pi / directions;
+    std::vector<Line> lines;
+    for (int k = 0; k < directions; ++k) lines.push_back(line_at(k * step));
+    std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.contact > b.contact; });
+    std::vector<Line> kept;
+    for (Line& line : lines) {
+        if (kept.size() == count || line.contact < 0.35 * std::sqrt(area)) break;
+        const bool known = std::any_of(kept.begin(), kept.end(), [&](const Line& k) {
+            return std::abs(std::remainder(k.angle - line.angle, 2 * std::numbers::pi)) < 10.5 * step;
+        });
+        if (known) continue;
+        for (const double offset : {-0.5, -0.25, 0.25, 0.5}) {
+            const Line near = line_at(line.angle + offset * step);
+            if (near.contact > line.contact) line = near;
+        }
+        kept.push_back(line);
+    }
+    std::vector<ScalarField<2>> masks;
+    for (const Line& line : kept) {
+        ScalarField<2> chi(visible.grid);
+        for (std::size_t i = 0; i < chi.values.size(); ++i) {
+            const Point<2> p = chi.grid.position(chi.grid.node(i));
+            const double beyond = std::cos(line.angle) * p[0] + std::sin(line.angle) * p[1] - line.offset;
+            chi.values[i] = std::clamp(0.5 - beyond / h, 0.0, 1.0);
+        }
+        masks.push_back(std::move(chi));
+    }
+    return masks;
+}
 
 template <int Dim>
-std::vector<PartialStart<Dim>> PartialMatcher<Dim>::starts(const ComparedShape<Dim>& whole) const {
-    std::vector<PartialStart<Dim>> result;
-    const bool masked = !query_->mask.values.empty();
-    if (!masked && query_->digest == whole.digest) {
-        result.push_back({});
-        return result;
+PartialMatcher<Dim>::PartialMatcher(std::shared_ptr<const ComparedShape<Dim>> query, const ClassifyOptions& options,
+                                    const std::string& normalize, const std::string& align, bool estimate, bool mirror)
+    : query_(std::move(query)), options_(options), free_size_(normalize == "each"), align_(align) {
+    add_views(*query_, false, estimate);
+    if (!mirror) return;
+    mirrored_ = std::make_shared<const ComparedShape<Dim>>(mirror_image(*query_));
+    add_views(*mirrored_, true, estimate);
+}
+
+template <int Dim>
+void PartialMatcher<Dim>::add_views(const ComparedShape<Dim>& shape, bool mirrored, bool estimate) {
+    const auto aligner = std::make_shared<const PartialAligner<Dim>>(shape.level_set, shape.mask);
+    if (!shape.mask.values.empty()) {
+        views_.push_back({Hypothesis::known, mirrored, shape.mask, aligner});
+        return;
     }
+    views_.push_back({Hypothesis::complete, mirrored, {}, aligner});
+    if (!estimate) return;
+    for (ScalarField<Dim>& mask : cut_off_masks<Dim>(shape.level_set, 2)) {
+        auto own = std::make_shared<const PartialAligner<Dim>>(shape.level_set, mask);
+        views_.push_back({Hypothesis::cut_off, mirrored, std::move(mask), std::move(own)});
+    }
+    views_.push_back({Hypothesis::missing, mirrored, {}, aligner});
+    views_.push_back({Hypothesis::added, mirrored, {}, aligner});
+}
+
+template <int Dim>
+bool PartialMatcher<Dim>::is_identical(const ComparedShape<Dim>& whole) const {
+    return query_->digest == whole.digest || (query_->level_set.grid.level() == whole.level_set.grid.level() &&
+                                              query_->level_set.values == whole.level_set.values);
+}
+
+template <int Dim>
+PartialAlignmentOptions PartialMatcher<Dim>::alignment_options(const View& view,
+                                                               const ComparedShape<Dim>& whole) const {
     PartialAlignmentOptions align;
     align.move = align_ != "none";
     align.rotate = align_ == "rigid";
     align.count = options_.alignments;
-    const int level = std::min({mask_level(Dim), query_->level_set.grid.level(), whole.level_set.grid.level()});
-    const LevelSet<Dim> template_here = restricted(whole.level_set, level);
+    if (view.hypothesis == Hypothesis::missing || view.hypothesis == Hypothesis::added) align.count = 1;
+    if (view.hypothesis == Hypothesis::missing) align.missing_weight = 0.1;
+    if (view.hypothesis == Hypothesis::added) align.added_weight = 0.1;
+    if (!free_size_ || view.hypothesis == Hypothesis::complete) return align;
     const double equal = std::pow(whole.volume / std::max(query_->volume, 1e-12), 1.0 / Dim);
     const double least = std::pow(1.0 - options_.largest_hidden, 1.0 / Dim);
-    const auto add = [&](Hypothesis hypothesis) {
-        for (const auto& candidate : aligner_.align(whole.level_set, align)) {
-            PartialStart<Dim> start;
-            start.motion = candidate.motion;
-            start.mismatch = candidate.mismatch;
-            start.hypothesis = hypothesis;
-            if (hypothesis == Hypothesis::known) {
-                start.mask = carried_mask(query_->mask, start.motion, level);
-                start.hidden_share = hidden_share(template_here, start.mask);
-            } else if (hypothesis != Hypothesis::complete) {
-                const auto query_here = carried(query_->level_set, start.motion, level);
-                start.mask = grown_mask(query_here, template_here, hypothesis);
-                start.hidden_share = hidden_share(template_here, start.mask);
-                const double share =
-                    hypothesis == Hypothesis::missing ? start.hidden_share : hidden_share(query_here, start.mask);
-                if (share == 0.0 || share > options_.largest_hidden) continue;
-                start.penalty = options_.hidden_cost * options_.hidden_cost * share * whole.volume;
-            }
-            result.push_back(std::move(start));
+    const bool added = view.hypothesis == Hypothesis::added;
+    align.least_scale = equal * (added ? 0.95 : least);
+    align.largest_scale = equal * (added ? 1.0 / least : 1.05);
+    return align;
+}
+
+template <int Dim>
+PartialStart<Dim> PartialMatcher<Dim>::start_of(const View& view, const PartialAlignmentCandidate<Dim>& candidate,
+                                                const ComparedShape<Dim>& whole,
+                                                const LevelSet<Dim>& template_here) const {
+    PartialStart<Dim> start;
+    start.motion = candidate.motion;
+    start.mirrored = view.mirrored;
+    start.mismatch = candidate.mismatch;
+    start.hypothesis = view.hypothesis;
+    const int level = template_here.grid.level();
+    double share = 0.0;  // of what the hypothesis explains away
+    if (!view.mask.values.empty()) {
+        start.mask = carried_mask(view.mask, start.motion, level);
+        share = start.hidden_share = hidden_share(template_here, start.mask);
+    } else if (view.hypothesis != Hypothesis::complete) {
+        const auto query_here = carried(level_set(start), start.motion, level);
+        start.mask = grown_mask(query_here, template_here, view.hypothesis);
+        start.hidden_share = hidden_share(template_here, start.mask);
+        share = view.hypothesis == Hypothesis::missing ? start.hidden_share : hidden_share(query_here, start.mask);
+    }
+    const bool estimated = view.hypothesis != Hypothesis::complete && view.hypothesis != Hypothesis::known;
+    if (estimated) start.penalty = options_.hidden_cost * options_.hidden_cost * share * whole.volume;
+    if (estimated && (share == 0.0 || share > options_.largest_hidden)) start.penalty = infinity;
+    return start;
+}
+
+template <int Dim>
+std::vector<typename PartialMatcher<Dim>::Guess> PartialMatcher<Dim>::guesses(const ComparedShape<Dim>& whole) const {
+    std::vector<Guess> result;
+    if (is_identical(whole)) return {Guess{}};
+    const AlignmentTarget<Dim> target(whole.level_set);
+    const LevelSet<Dim> template_here =
+        restricted(whole.level_set, std::min(guess_level(Dim), whole.level_set.grid.level()));
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+        const View& view = views_[v];
+        for (const auto& candidate : view.aligner->search(target, alignment_options(view, whole))) {
+            PartialStart<Dim> start = start_of(view, candidate, whole, template_here);
+            const double squared =
+                mismatch_scale * candidate.mismatch / visible_weight(start.hidden_share) + start.penalty;
+            if (std::isfinite(squared)) result.push_back({v, std::move(start), std::sqrt(squared)});
         }
-    };
-    if (masked) {
-        if (free_size_) {
-            align.least_scale = equal * least;
-            align.largest_scale = equal * 1.05;
+    }
+    std::stable_sort(result.begin(), result.end(), [](const Guess& a, const Guess& b) { return a.score < b.score; });
+    const auto most = static_cast<std::size_t>(2 * options_.alignments);
+    if (result.size() > most) result.erase(result.begin() + static_cast<std::ptrdiff_t>(most), result.end());
+    return result;
+}
+
+template <int Dim>
+std::vector<PartialStart<Dim>> PartialMatcher<Dim>::starts(const ComparedShape<Dim>& whole,
+                                                           const std::vector<Guess>& guesses) const {
+    if (is_identical(whole)) return {{}};
+    const AlignmentTarget<Dim> target(whole.level_set);
+    const int level = std::min({mask_level(Dim), query_->level_set.grid.level(), whole.level_set.grid.level()});
+    const LevelSet<Dim> template_here = restricted(whole.level_set, level);
+    std::vector<PartialStart<Dim>> result;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+        std::vector<PartialAlignmentCandidate<Dim>> candidates;
+        for (const Guess& guess : guesses) {
+            if (guess.view == v) candidates.push_back({guess.start.motion, guess.start.mismatch});
         }
-        add(Hypothesis::known);
-        return result;
+        for (const auto& candidate :
+             views_[v].aligner->refine(target, candidates, alignment_options(views_[v], whole))) {
+            PartialStart<Dim> start = start_of(views_[v], candidate, whole, template_here);
+            if (std::isfinite(start.penalty)) result.push_back(std::move(start));
+        }
     }
-    add(Hypothesis::complete);
-    if (!estimate_) return result;
-    align.missing_weight = 0.1;
-    if (free_size_) {
-        align.least_scale = equal * least;
-        align.largest_scale = equal * 1.05;
-    }
-    add(Hypothesis::missing);
-    align.missing_weight = 1.0;
-    align.added_weight = 0.1;
-    if (free_size_) {
-        align.least_scale = equal * 0.95;
-        align.largest_scale = equal / least;
-    }
-    add(Hypothesis::added);
     return result;
 }
 
@@ -252,14 +394,15 @@ PartialDistance PartialMatcher<Dim>::measure(const ComparedShape<Dim>& whole, co
     PartialDistance result;
     result.level = options.level;
     result.time_steps = options.time_steps;
-    if (query_->mask.values.empty() && query_->digest == whole.digest && path == nullptr) return result;
+    if (is_identical(whole) && path == nullptr) return result;
     try {
         GeodesicOptions solver = options;
         solver.align = "none";
         solver.starts = 1;
-        LevelSet<Dim> query = is_unmoved(start.motion) && query_->level_set.grid.level() >= options.level
-                                  ? restricted(query_->level_set, options.level)
-                                  : carried(query_->level_set, start.motion, options.level);
+        const LevelSet<Dim>& shape = level_set(start);
+        LevelSet<Dim> query = is_unmoved(start.motion) && shape.grid.level() >= options.level
+                                  ? restricted(shape, options.level)
+                                  : carried(shape, start.motion, options.level);
         LevelSet<Dim> target = restricted(whole.level_set, options.level);
         ScalarField<Dim> mask;
         if (!start.mask.values.empty()) {
@@ -286,7 +429,7 @@ PartialDistance PartialMatcher<Dim>::measure(const ComparedShape<Dim>& whole, co
         // reach would else look near. A part of a shape costs less than the whole, so it is compared per visible share.
         const bool literal = options_.correction == "none";
         const double squared = literal ? result.length * result.length : solved.total_energy;
-        const double visible = literal ? 1.0 : std::max(0.05, 1.0 - start.hidden_share);
+        const double visible = literal ? 1.0 : visible_weight(start.hidden_share);
         result.distance = std::sqrt(std::max(0.0, squared) / visible + start.penalty);
         result.error = solved.error / std::sqrt(visible);
         if (solved.termination == Termination::cancelled) {
@@ -304,6 +447,8 @@ PartialDistance PartialMatcher<Dim>::measure(const ComparedShape<Dim>& whole, co
     return result;
 }
 
+template ComparedShape<2> mirror_image<2>(const ComparedShape<2>&);
+template ComparedShape<3> mirror_image<3>(const ComparedShape<3>&);
 template class PartialMatcher<2>;
 template class PartialMatcher<3>;
 template LevelSet<2> filled_in<2>(const LevelSet<2>&, const LevelSet<2>&, const ScalarField<2>&);

@@ -11,6 +11,8 @@ std::vector<std::string> ClassifyOptions::problems() const {
         result.emplace_back("--largest-hidden must be from 0 to 0.95");
     if (!(hidden_cost >= 0.0 && hidden_cost < 1e6)) result.emplace_back("--hidden-cost must not be negative");
     if (alignments < 1 || alignments > 16) result.emplace_back("--alignments must be from 1 to 16");
+    if (mirror != "auto" && mirror != "no" && mirror != "yes")
+        result.push_back("--mirror-images must be auto, no or yes, not \"" + mirror + "\"");
     if (templates_per_class < 0) result.emplace_back("--templates-per-class must not be negative");
     if (neighbours < 1) result.emplace_back("--neighbours must be at least 1");
     if (!(false_rejection >= 0.0 && false_rejection < 1.0))

@@ -12,6 +12,7 @@ struct ClassifyOptions {
     double largest_hidden = 0.6;     ///< share of a shape that may be hidden, in [0, 0.95]
     double hidden_cost = 0.35;      ///< mask auto: what hiding a part costs, per root of the area that was hidden, >= 0
     int alignments = 2;             ///< alignments per template that coarse geodesics decide between, >= 1
+    std::string mirror = "auto";    ///< auto | no | yes: do templates stand for their mirror images as well
     bool screening = true;          ///< finer levels only for templates that can still be the answer
     int templates_per_class = 0;    ///< a class is represented by so many medoids; 0: all its members
     int neighbours = 1;             ///< distance to a class: mean of that to its so many nearest templates, >= 1
@@ -30,6 +31,10 @@ struct ClassifyOptions {
         visit("hidden-cost", self.hidden_cost,
               "--mask auto: what hiding a part costs, as a distance per root of its area");
         visit("alignments", self.alignments, "alignments per template that coarse geodesics decide between");
+        visit("mirror-images", self.mirror,
+              "whether a mirror image is the same shape: no, yes, or auto: yes if the templates' classes hold mirror "
+              "images of "
+              "their members");
         visit("screening", self.screening, "finer levels only for templates that can still be the answer");
         visit("templates-per-class", self.templates_per_class, "medoids that represent a class; 0: all its members");
         visit("neighbours", self.neighbours, "distance to a class: mean over its so many nearest templates");

@@ -78,7 +78,7 @@ reports::Filmstrip filmstrip(std::shared_ptr<const ComparedShape<Dim>> query, co
                              const PartialStart<Dim>& start, const ClassificationRun& run) {
     ClassifyOptions options = run.options;
     options.correction = "filled";
-    const PartialMatcher<Dim> matcher(query, options, run.normalize, run.geodesic.align, false);
+    const PartialMatcher<Dim> matcher(query, options, run.normalize, run.geodesic.align, false, start.mirrored);
     GeodesicOptions geodesic = run.geodesic;
     geodesic.time_steps = std::max(4, geodesic.time_steps);
     GeodesicResult<Dim> path;
@@ -92,7 +92,7 @@ reports::Filmstrip filmstrip(std::shared_ptr<const ComparedShape<Dim>> query, co
     const PathPictures pictures = path_pictures(path, frame_pixels);
     const int level = whole.level_set.grid.level();
     strip.frames.push_back(
-        query_picture<Dim>(carried(query->level_set, start.motion, level), start.mask, frame_pixels));
+        query_picture<Dim>(carried(matcher.level_set(start), start.motion, level), start.mask, frame_pixels));
     for (std::size_t k = 1; k < pictures.frames.size(); ++k) strip.frames.push_back(encoded(pictures.frames[k]));
     if (!start.mask.values.empty() && start.hidden_share > 0.0) {
         RgbaImage inferred = shape_picture(path.shapes[1], frame_pixels);

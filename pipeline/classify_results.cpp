@@ -164,6 +164,9 @@ Json to_json(const ClassificationRun& run) {
                                {"right", run.calibration->right},
                                {"accuracy", number(run.calibration->accuracy)},
                                {"novelty_limit", number(run.calibration->novelty_limit)},
+                               {"novelty_exponent", run.calibration->novelty_exponent},
+                               {"strangers", run.calibration->strangers},
+                               {"strangers_rejected", run.calibration->strangers_rejected},
                                {"reliability", to_json(run.calibration->reliability)}};
     }
     if (run.retrieval) {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -128,6 +129,14 @@ struct Motion {
     Matrix<Dim> rotation = Matrix<Dim>::Identity();
     Vector<Dim> translation = Vector<Dim>::Zero();
     double scale = 1.0;
+
+    Motion() = default;
+    explicit Motion(const Similarity<Dim>& s) : scale(s.scale) {
+        for (int i = 0; i < Dim; ++i) {
+            for (int j = 0; j < Dim; ++j) rotation(i, j) = s.motion.rotation[static_cast<std::size_t>(i * Dim + j)];
+            translation(i) = s.motion.translation[static_cast<std::size_t>(i)];
+        }
+    }
 
     Vector<Dim> operator()(const Vector<Dim>& x) const {
         const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
@@ -329,6 +338,48 @@ struct PartialAligner<Dim>::Impl {
 };
 
 template <int Dim>
+struct AlignmentTarget<Dim>::Impl {
+    /// Distances from the contour, as far as they matter to a first score; read at the nearest node.
+    static constexpr float far = 0.1F;
+    Sampler<Dim> u;
+    std::vector<ContourPoint<Dim>> anchors;
+    Vector<Dim> middle = Vector<Dim>::Zero();
+    std::vector<float> distance;
+
+    explicit Impl(const LevelSet<Dim>& whole)
+        : u(restricted(whole, std::min(whole.grid.level(), 6))),
+          anchors(contour_points(u.u, Dim == 2 ? 48 : 60, [](const Vector<Dim>&) { return true; })) {
+        double volume = 0.0;
+        for (std::size_t i = 0; i < u.u.values.size(); ++i) {
+            distance.push_back(std::min(std::abs(static_cast<float>(u.u.values[i])), far));
+            if (u.u.values[i] <= 0) continue;
+            volume += 1.0;
+            middle += as_vector<Dim>(u.u.grid.position(u.u.grid.node(i)));
+        }
+        if (!(volume > 0)) throw std::invalid_argument("align: a shape is empty on the grid");
+        middle /= volume;
+    }
+
+    [[nodiscard]] float distance_near(const Vector<Dim>& x) const {
+        const int n = u.u.grid.nodes_per_axis();
+        std::array<int, Dim> node{};
+        for (int a = 0; a < Dim; ++a) {
+            const double at = x(a) * (n - 1) + 0.5;
+            if (!(at >= 0.0 && at < n)) return far;
+            node[static_cast<std::size_t>(a)] = static_cast<int>(at);
+        }
+        return distance[u.u.grid.index(node)];
+    }
+};
+
+template <int Dim>
+AlignmentTarget<Dim>::AlignmentTarget(const LevelSet<Dim>& whole) : impl_(std::make_unique<Impl>(whole)) {}
+template <int Dim>
+AlignmentTarget<Dim>::~AlignmentTarget() = default;
+template <int Dim>
+AlignmentTarget<Dim>::AlignmentTarget(AlignmentTarget&&) noexcept = default;
+
+template <int Dim>
 PartialAligner<Dim>::PartialAligner(const LevelSet<Dim>& partial, const ScalarField<Dim>& mask)
     : impl_(std::make_unique<Impl>(partial, mask)) {}
 template <int Dim>
@@ -336,61 +387,101 @@ PartialAligner<Dim>::~PartialAligner() = default;
 template <int Dim>
 PartialAligner<Dim>::PartialAligner(PartialAligner&&) noexcept = default;
 
+namespace {
+
+template <int Dim>
+struct Candidate {
+    Motion<Dim> motion;
+    double score;
+};
+
+template <int Dim>
+void sort_by_score(std::vector<Candidate<Dim>>& candidates) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate<Dim>& a, const Candidate<Dim>& b) { return a.score < b.score; });
+}
+
+/// The best of each group of motions that are alike, at most `count`, from sorted candidates.
+template <int Dim>
+void keep_distinct(std::vector<Candidate<Dim>>& candidates, std::size_t count, double angle, double shift) {
+    std::vector<Candidate<Dim>> kept;
+    for (const auto& c : candidates) {
+        const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate<Dim>& k) {
+            return (k.motion.rotation - c.motion.rotation).norm() < angle &&
+                   (k.motion.translation - c.motion.translation).norm() < shift &&
+                   std::abs(std::log(k.motion.scale / c.motion.scale)) < 0.08;
+        });
+        if (!known) kept.push_back(c);
+        if (kept.size() == count) break;
+    }
+    candidates = std::move(kept);
+}
+
+template <int Dim>
+std::vector<PartialAlignmentCandidate<Dim>> as_result(const std::vector<Candidate<Dim>>& candidates) {
+    std::vector<PartialAlignmentCandidate<Dim>> result;
+    for (const auto& c : candidates) result.push_back({c.motion.as_similarity(), c.score});
+    return result;
+}
+
+std::vector<double> sizes_to_try(const PartialAlignmentOptions& options) {
+    const double range = std::log(options.largest_scale / options.least_scale);
+    if (range <= 0.1) return {std::sqrt(options.least_scale * options.largest_scale)};
+    const int count = 1 + static_cast<int>(std::ceil(range / 0.12));
+    std::vector<double> scales;
+    for (int i = 0; i < count; ++i) scales.push_back(options.least_scale * std::exp(range * i / (count - 1)));
+    return scales;
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<PartialAlignmentCandidate<Dim>> PartialAligner<Dim>::align(const LevelSet<Dim>& whole,
                                                                        const PartialAlignmentOptions& options) const {
-    const Sampler<Dim> target(restricted(whole, std::min(whole.grid.level(), 6)));
-    const MismatchProblem<Dim> coarse(impl_->coarse, target, options), fine(impl_->fine, target, options);
+    const AlignmentTarget<Dim> target(whole);
+    return refine(target, search(target, options), options);
+}
+
+template <int Dim>
+std::vector<PartialAlignmentCandidate<Dim>> PartialAligner<Dim>::search(const AlignmentTarget<Dim>& whole,
+                                                                        const PartialAlignmentOptions& options) const {
+    const auto& target = whole.impl();
+    const MismatchProblem<Dim> coarse(impl_->coarse, target.u, options);
     if (!options.move) {
         const Motion<Dim> identity;
-        return {{identity.as_similarity(), fine.evaluate(identity, nullptr, nullptr)}};
+        return {{identity.as_similarity(), coarse.evaluate(identity, nullptr, nullptr)}};
     }
-    struct Candidate {
-        Motion<Dim> motion;
-        double score;
-    };
-    const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
-    std::vector<Candidate> found;
-
-    // First score: how far the visible contour ends from that of the whole shape.
-    const auto contour_score = [&](const Motion<Dim>& m) {
+    // First score: how far the visible contour ends from that of the whole shape. Only the best are kept, so a sum that
+    // is too large already need not be finished.
+    constexpr std::size_t first = Dim == 2 ? 60 : 150;
+    double limit = std::numeric_limits<double>::infinity();
+    std::vector<Candidate<Dim>> found;
+    const auto add = [&](const Motion<Dim>& m) {
+        const double most = limit * m.scale;
         double sum = 0.0;
-        for (const auto& p : impl_->probes) sum += std::min(std::abs(target.value(m(p.x))), 0.1);
-        return sum / m.scale;
+        for (std::size_t p = 0; p < impl_->probes.size() && sum <= most; ++p) {
+            sum += target.distance_near(m(impl_->probes[p].x));
+        }
+        if (sum > most) return;
+        found.push_back({m, sum / m.scale});
+        if (found.size() < 4 * first) return;
+        sort_by_score(found);
+        found.resize(first);
+        limit = found.back().score;
     };
-    std::vector<double> scales{std::sqrt(options.least_scale * options.largest_scale)};
-    const double range = std::log(options.largest_scale / options.least_scale);
-    if (range > 0.1) {
-        const int count = 1 + static_cast<int>(std::ceil(range / 0.12));
-        scales.clear();
-        for (int i = 0; i < count; ++i) scales.push_back(options.least_scale * std::exp(range * i / (count - 1)));
-    }
-    const auto anchors = contour_points(target.u, Dim == 2 ? 48 : 60, [](const Vector<Dim>&) { return true; });
-    Vector<Dim> middle = Vector<Dim>::Zero();
-    double volume = 0.0;
-    for (std::size_t i = 0; i < target.u.values.size(); ++i) {
-        if (target.u.values[i] <= 0) continue;
-        volume += 1.0;
-        middle += as_vector<Dim>(target.u.grid.position(target.u.grid.node(i)));
-    }
-    if (!(volume > 0)) throw std::invalid_argument("align: a shape is empty on the grid");
-    middle /= volume;
-
-    const auto add = [&](const Motion<Dim>& m) { found.push_back({m, contour_score(m)}); };
+    const std::vector<double> scales = sizes_to_try(options);
     for (const double scale : scales) {
         for (const auto& pin : impl_->pins) {
-            for (const auto& anchor : anchors) {
+            for (const auto& anchor : target.anchors) {
+                Motion<Dim> m;
+                m.scale = scale;
                 if (!options.rotate) {
                     if (pin.normal.dot(anchor.normal) < 0.8) continue;
-                    Motion<Dim> m;
-                    m.scale = scale;
                     m.pin(pin.x, anchor.x);
                     add(m);
                     continue;
                 }
                 for (const auto& rotation : turns<Dim>(pin.normal, anchor.normal)) {
-                    Motion<Dim> m;
-                    m.scale = scale;
                     m.rotation = rotation;
                     m.pin(pin.x, anchor.x);
                     add(m);
@@ -398,11 +489,8 @@ std::vector<PartialAlignmentCandidate<Dim>> PartialAligner<Dim>::align(const Lev
             }
         }
     }
-    const std::size_t first = Dim == 2 ? 60 : 150;
-    if (found.size() > first) {
-        std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(first), found.end(), better);
-        found.resize(first);
-    }
+    sort_by_score(found);
+    if (found.size() > first) found.resize(first);
     if (impl_->whole) {  // nothing is hidden: the centroids are a good guess as well
         const double scale = scales[scales.size() / 2];
         const int turns_all_around = options.rotate && Dim == 2 ? 24 : 1;
@@ -412,40 +500,34 @@ std::vector<PartialAlignmentCandidate<Dim>> PartialAligner<Dim>::align(const Lev
             if constexpr (Dim == 2) {
                 m.rotation = Eigen::Rotation2D<double>(2 * std::numbers::pi * k / turns_all_around).toRotationMatrix();
             }
-            m.pin(impl_->centroid, middle);
+            m.pin(impl_->centroid, target.middle);
             found.push_back({m, 0.0});
         }
     }
-    {
-        const Motion<Dim> unmoved;
-        if (options.least_scale <= 1.0 && options.largest_scale >= 1.0) found.push_back({unmoved, 0.0});
-    }
+    if (options.least_scale <= 1.0 && options.largest_scale >= 1.0) found.push_back({Motion<Dim>{}, 0.0});
     for (auto& c : found) c.score = coarse.evaluate(c.motion, nullptr, nullptr);
-    std::stable_sort(found.begin(), found.end(), better);
-
-    const auto distinct = [&](std::size_t count, double angle, double shift) {
-        std::vector<Candidate> kept;
-        for (const auto& c : found) {
-            const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
-                return (k.motion.rotation - c.motion.rotation).norm() < angle &&
-                       (k.motion.translation - c.motion.translation).norm() < shift &&
-                       std::abs(std::log(k.motion.scale / c.motion.scale)) < 0.08;
-            });
-            if (!known) kept.push_back(c);
-            if (kept.size() == count) break;
-        }
-        found = std::move(kept);
-    };
-    distinct(static_cast<std::size_t>(std::max(8, 3 * options.count)), 0.3, 0.06);
+    sort_by_score(found);
+    keep_distinct(found, static_cast<std::size_t>(std::max(8, 3 * options.count)), 0.3, 0.06);
     for (auto& c : found) c.score = coarse.refine(c.motion, 8);
-    std::stable_sort(found.begin(), found.end(), better);
-    distinct(static_cast<std::size_t>(options.count), 0.2, 0.03);
-    for (auto& c : found) c.score = fine.refine(c.motion, 10);
-    std::stable_sort(found.begin(), found.end(), better);
+    sort_by_score(found);
+    keep_distinct(found, static_cast<std::size_t>(options.count), 0.2, 0.03);
+    return as_result(found);
+}
 
-    std::vector<PartialAlignmentCandidate<Dim>> result;
-    for (const auto& c : found) result.push_back({c.motion.as_similarity(), c.score});
-    return result;
+template <int Dim>
+std::vector<PartialAlignmentCandidate<Dim>> PartialAligner<Dim>::refine(
+    const AlignmentTarget<Dim>& whole, const std::vector<PartialAlignmentCandidate<Dim>>& candidates,
+    const PartialAlignmentOptions& options) const {
+    const MismatchProblem<Dim> fine(impl_->fine, whole.impl().u, options);
+    std::vector<Candidate<Dim>> found;
+    for (const auto& c : candidates) {
+        Candidate<Dim> refined{Motion<Dim>(c.motion), 0.0};
+        refined.score =
+            options.move ? fine.refine(refined.motion, 10) : fine.evaluate(refined.motion, nullptr, nullptr);
+        found.push_back(refined);
+    }
+    sort_by_score(found);
+    return as_result(found);
 }
 
 template <int Dim>
@@ -469,6 +551,8 @@ ScalarField<Dim> carried_mask(const ScalarField<Dim>& mask, const Similarity<Dim
     return result;
 }
 
+template class AlignmentTarget<2>;
+template class AlignmentTarget<3>;
 template class PartialAligner<2>;
 template class PartialAligner<3>;
 template LevelSet<2> carried<2>(const LevelSet<2>&, const Similarity<2>&, int);

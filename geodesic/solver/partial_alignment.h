@@ -44,6 +44,22 @@ struct PartialAlignmentCandidate {
     double mismatch = 0.0;  ///< weighted int chi (H(partial) - H(whole o motion))^2, in units of the whole shape's cube
 };
 
+/// A whole shape as PartialAligner needs it: what depends on it alone is computed once for many alignments.
+template <int Dim>
+class AlignmentTarget {
+public:
+    /// @throws std::invalid_argument if the shape is empty on the grid
+    explicit AlignmentTarget(const LevelSet<Dim>& whole);
+    ~AlignmentTarget();
+    AlignmentTarget(AlignmentTarget&&) noexcept;
+
+    struct Impl;
+    [[nodiscard]] const Impl& impl() const { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
 /// Aligns a shape of which only a part is known with whole shapes. The centroid of what is left is of no use, so
 /// candidates come from the visible contour: each pair of a visible contour point and a contour point of the whole
 /// shape gives the motion that lays point on point and normal on normal; those with the least mismatch of the visible
@@ -60,9 +76,19 @@ public:
     ~PartialAligner();
     PartialAligner(PartialAligner&&) noexcept;
 
-    /// Candidates for one whole shape, least mismatch first, different from each other.
+    /// Candidates for one whole shape, least mismatch first, different from each other: search, then refine.
     [[nodiscard]] std::vector<PartialAlignmentCandidate<Dim>> align(const LevelSet<Dim>& whole,
                                                                     const PartialAlignmentOptions& options) const;
+
+    /// The same on a coarse lattice, for a small part of the cost: which motions are worth refining, and about how
+    /// large the mismatch is.
+    [[nodiscard]] std::vector<PartialAlignmentCandidate<Dim>> search(const AlignmentTarget<Dim>& whole,
+                                                                     const PartialAlignmentOptions& options) const;
+
+    /// Candidates of a search, brought to the least mismatch on the fine lattice.
+    [[nodiscard]] std::vector<PartialAlignmentCandidate<Dim>> refine(
+        const AlignmentTarget<Dim>& whole, const std::vector<PartialAlignmentCandidate<Dim>>& candidates,
+        const PartialAlignmentOptions& options) const;
 
 private:
     struct Impl;

@@ -63,11 +63,13 @@ QueryList list_queries(const ClassifyCommandOptions& options) {
     for (const fs::path& query : options.queries) {
         const std::size_t first = list.sources.size();
         if (fs::is_directory(query)) {
-            datasets::ScanResult scan = datasets::scan_folder(query, {options.settings.labels});
+            std::error_code error;
+            const bool own_table = !truth && fs::exists(query / "truth.csv", error);
+            datasets::ScanResult scan =
+                datasets::scan_folder(query, {truth || own_table ? "none" : options.settings.labels});
             for (const auto& problem : scan.problems) list.failures.push_back({"", "", problem.message()});
             for (auto& source : scan.sources) list.sources.push_back(std::move(source));
-            std::error_code error;
-            if (!truth && fs::exists(query / "truth.csv", error)) {
+            if (own_table) {
                 apply_truth(datasets::read_labels(query / "truth.csv"), list.sources, first, list.remarks);
             }
         } else {
@@ -122,6 +124,42 @@ public:
         ranking_.least_confidence = options.classify.least_confidence;
     }
 
+    /// Whether mirror images count as the same shape: as asked for, or if templates are clearly more like the mirror
+    /// image of a member of their class than like any member.
+    void learn_about_mirror_images() {
+        mirror_ = options_.classify.mirror == "yes";
+        if (options_.classify.mirror != "auto") return;
+        const std::size_t n = set_.shapes.size();
+        std::vector<char> mirrored(n, 0), judged(n, 0);
+        count(n, [&](std::size_t i) {
+            if (classes_[i].empty()) return;
+            try {
+                const PartialMatcher<Dim> matcher(set_.shapes[i], options_.classify, set_.placement.mode,
+                                                  options_.settings.geodesic.align, false, true);
+                double plain = std::numeric_limits<double>::infinity(), turned = plain;
+                for (std::size_t j = 0; j < n; ++j) {
+                    if (j == i || classes_[j] != classes_[i]) continue;
+                    for (const auto& guess : matcher.guesses(*set_.shapes[j])) {
+                        double& least = guess.start.mirrored ? turned : plain;
+                        least = std::min(least, guess.score);
+                    }
+                }
+                judged[i] = std::isfinite(plain) ? 1 : 0;
+                mirrored[i] = turned < 0.75 * plain ? 1 : 0;
+            } catch (const std::exception&) {
+                judged[i] = 0;  // said where the template is classified
+            }
+        });
+        const auto found = std::count(mirrored.begin(), mirrored.end(), 1);
+        mirror_ = found > 0 && 20 * found >= std::count(judged.begin(), judged.end(), 1);
+        if (mirror_) {
+            run.remarks.push_back(
+                std::to_string(found) + " of " + std::to_string(n) +
+                " templates are much more like the mirror image of a member of their class than like "
+                "any member: mirror images count as the same shape (--mirror-images no: they do not).");
+        }
+    }
+
     /// Classifies the templates themselves, each against the others: the distances from which confidences and the
     /// reject option come.
     void learn_from_templates() {
@@ -137,7 +175,7 @@ public:
         count(n, [&](std::size_t i) {
             try {
                 const PartialMatcher<Dim> matcher(set_.shapes[i], classify, set_.placement.mode,
-                                                  options_.settings.geodesic.align, options_.mask == "auto");
+                                                  options_.settings.geodesic.align, options_.mask == "auto", mirror_);
                 rows[i] =
                     compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic, classify, stopped, i);
             } catch (const std::exception& error) {
@@ -240,7 +278,7 @@ private:
         pictured.query = std::move(query);
         std::vector<const TemplateResult<Dim>*> order;
         for (const auto& row : rows) {
-            if (!std::isnan(row.distance)) order.push_back(&row);
+            if (!std::isnan(row.distance) && row.measured.level > 0) order.push_back(&row);
         }
         std::stable_sort(order.begin(), order.end(),
                          [](const auto* a, const auto* b) { return a->distance < b->distance; });
@@ -297,7 +335,7 @@ private:
             const bool ignore = options_.mask == "none";
             auto query = std::make_shared<ComparedShape<Dim>>(load_query<Dim>(source, set_, reading(), ignore));
             const PartialMatcher<Dim> matcher(query, options_.classify, set_.placement.mode,
-                                              options_.settings.geodesic.align, options_.mask == "auto");
+                                              options_.settings.geodesic.align, options_.mask == "auto", mirror_);
             const auto rows = compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic,
                                                           options_.classify, stopped);
             result = result_of(*query, rows);
@@ -319,6 +357,7 @@ private:
         datasets::ImportOptions reading = set_.import;
         reading.occluder = options_.settings.import.occluder;
         reading.border = options_.settings.import.border;
+        if (Dim == 3) reading.border = "hides";  // beyond the holes of a scan nothing is known
         return reading;
     }
 
@@ -365,6 +404,7 @@ private:
     analysis::DistanceMatrix distances_;
     std::vector<std::vector<TemplateResult<Dim>>> loo_rows_;
     double loo_seconds_ = 0.0;
+    bool mirror_ = false;
     std::vector<Pictured> pictured_;
     std::mutex mutex_;
 };
@@ -445,6 +485,7 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
     ClassificationRun& run = classifier.run;
     run.failures.insert(run.failures.end(), list.failures.begin(), list.failures.end());
     run.remarks.insert(run.remarks.end(), list.remarks.begin(), list.remarks.end());
+    classifier.learn_about_mirror_images();
     classifier.learn_from_templates();
     if (options.leave_one_out) {
         classifier.leave_one_out();

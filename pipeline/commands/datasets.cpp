@@ -43,10 +43,15 @@ int write(const DatasetOptions& options, const std::string& kind, const Generato
     if (!problems.empty()) throw std::invalid_argument(problems.front());
     const fs::path folder = options.out.empty() ? fs::path(kind) : options.out;
     const std::vector<datasets::Drawing> drawings = generate(options);
-    datasets::write_collection(folder, drawings, options.side);
     Summary summary;
     summary.data = {{"folder", folder.string()}, {"shapes", drawings.size()}};
     summary.lines.push_back(std::to_string(drawings.size()) + " shapes in " + folder.string());
+    if (options.hide_limbs) {
+        datasets::write_hidden_limbs(drawings, folder, options.side, options.collection.seed);
+        summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates MEN");
+        return summary.print(options.common);
+    }
+    datasets::write_collection(folder, drawings, options.side);
     summary.lines.push_back("Study them with: morphodesic run " + folder.string());
     return summary.print(options.common);
 }
@@ -55,12 +60,7 @@ int write_queries(const DatasetOptions& options) {
     datasets::ScanResult scan = datasets::scan_folder(options.source, {options.reading.labels});
     std::vector<StudyFailure> failures;
     for (const auto& problem : scan.problems) failures.push_back({"", "", problem.message()});
-    std::erase_if(scan.sources, [&](const datasets::ShapeSource& source) {
-        if (source.dimension == 2) return false;
-        failures.push_back({source.name, "", source.path.string() + ": is a 3D shape; pictures only can be occluded"});
-        return true;
-    });
-    if (scan.sources.empty()) throw std::invalid_argument(options.source.string() + ": no pictures to occlude");
+    if (scan.sources.empty()) throw std::invalid_argument(options.source.string() + ": no shapes to occlude");
     fs::path from = options.source;
     if (from.filename().empty()) from = from.parent_path();
     const fs::path folder = options.out.empty() ? fs::path(from.string() + ".occluded") : options.out;
@@ -84,7 +84,8 @@ void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
     sub->footer(
         "Examples:\n"
         "  morphodesic datasets occlude fish --fraction 0.3 --kind half-plane --seed 1 --out queries\n"
-        "  morphodesic datasets occlude fish --kind limb --fraction 0.15 --per-shape 4");
+        "  morphodesic datasets occlude fish --kind limb --fraction 0.15 --per-shape 4\n"
+        "  morphodesic datasets occlude feet --fraction 0.2 --direction 1,0,0           solids without their toes");
     sub->add_option("folder", options.source, "folder of the shapes")->required();
     sub->add_option("--out", options.out, "folder of the queries; default: FOLDER.occluded")->option_text("FOLDER");
     sub->add_option("--fraction", options.occlusion.fraction, "share of the shape's area to hide")
@@ -97,6 +98,10 @@ void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
     sub->add_option("--per-shape", options.occlusion.per_shape, "queries made from every shape")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
+    sub->add_option("--direction", options.occlusion.direction,
+                    "half-plane: side on which the hidden part lies, x,y (y up) or x,y,z; default: random")
+        ->delimiter(',')
+        ->option_text("X,Y[,Z]");
     sub->add_flag("--largest-part", options.occlusion.largest_part, "hide all of what is left but its largest part");
     sub->add_option("--labels", options.reading.labels, "where labels come from: auto, csv, folder, name or none")
         ->capture_default_str();
@@ -144,6 +149,10 @@ void add_dataset_kinds(CLI::App& datasets_command, DatasetOptions& options,
             sub->add_option("--font", options.letters.fonts,
                             "font files; default: installed fonts that have the characters")
                 ->option_text("FILE ...");
+        }
+        if (name == "matchstick") {
+            sub->add_flag("--hide-limbs", options.hide_limbs,
+                          "queries for classify: an arm and a leg are hidden (NAME.mask.png, truth.csv)");
         }
         sub->add_flag("--json", options.common.json, "print the summary as one JSON object on standard output");
         sub->add_flag("--quiet", options.common.quiet, "no summary in words");

@@ -21,6 +21,7 @@ struct DatasetOptions {
     std::filesystem::path source;  ///< occlude: folder of the shapes
     datasets::OcclusionOptions occlusion;
     RunSettings reading;               ///< occlude: labels and how the shapes are read
+    bool hide_limbs = false;           ///< matchstick: write queries with an arm and a leg hidden
     datasets::LettersOptions letters;  ///< its count, variation and seed are those of `collection`
 };
 

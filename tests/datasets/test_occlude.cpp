@@ -46,6 +46,35 @@ TEST(Occlude, EveryKindHidesTheWantedShare) {
     }
 }
 
+TEST(Occlude, ADirectionSaysWhichSideIsHidden) {
+    OcclusionOptions options;
+    options.direction = {0.0, 1.0};  // the head
+    const OccludedPicture picture = occlude(man(), options, 5);
+    EXPECT_EQ(picture.hidden.at(64, 0), 1.0F);  // rows run downwards
+    EXPECT_EQ(picture.hidden.at(64, 127), 0.0F);
+    EXPECT_NEAR(picture.hidden_share, 0.3, 0.03);
+    options.kind = "disk";
+    EXPECT_THAT(options.problems(), SizeIs(1));
+}
+
+TEST(Occlude, AnArmAndALegAreHiddenAndNothingElse) {
+    CollectionOptions options;
+    options.count = 1;
+    const Drawing drawing = matchstick(options)[0];
+    const OccludedPicture picture = hide_polygons(drawing, {2, 3, 6, 7}, 0.03, 128);
+    Drawing rest = drawing, limbs = drawing;
+    rest.polygons = {drawing.polygons[0], drawing.polygons[1], drawing.polygons[4],
+                     drawing.polygons[5], drawing.polygons[8], drawing.polygons[9]};
+    const Coverage kept = rasterize(rest, 128), whole = rasterize(drawing, 128);
+    for (std::size_t p = 0; p < whole.values.size(); ++p) {
+        if (kept.values[p] == 1.0F) EXPECT_EQ(picture.hidden.values[p], 0.0F);
+        if (kept.values[p] == 0.0F && whole.values[p] > 0.0F) EXPECT_EQ(picture.hidden.values[p], 1.0F);
+        if (picture.hidden.values[p] > 0.0F) EXPECT_EQ(picture.visible.values[p], 0.0F);
+    }
+    EXPECT_GT(picture.hidden_share, 0.15);
+    EXPECT_LT(picture.hidden_share, 0.45);
+}
+
 TEST(Occlude, AHalfPlaneIsAHalfPlane) {
     const OccludedPicture picture = occlude(man(), {}, 5);
     const double hidden = area(picture.hidden);
@@ -106,6 +135,21 @@ TEST(Occlude, QueriesComeWithMasksAndTheTruth) {
     EXPECT_EQ(tests::file_content(again / name), tests::file_content(folder / "out" / name));
     options.kind = "corner";
     EXPECT_THROW(write_occluded(scan.sources, folder / "out", options), std::invalid_argument);
+}
+
+TEST(Occlude, APlaneCutsOffAShareOfASolid) {
+    // A box, 1 x 2 x 4: a fifth of it lies beyond z = 3.2.
+    TriangleMesh box;
+    for (int i = 0; i < 8; ++i) {
+        box.points.push_back({i % 2 ? 1.0 : 0.0, i / 2 % 2 ? 2.0 : 0.0, i / 4 ? 4.0 : 0.0});
+    }
+    box.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    ASSERT_NEAR(signed_volume(box), 8.0, 1e-12);
+    const TriangleMesh cut = cut_by_plane(box, 0.2, {0.0, 0.0, 3.0});
+    EXPECT_NEAR(bounding_box(cut.points).high[2], 3.2, 1e-9);
+    EXPECT_FALSE(topology(cut).closed());
+    EXPECT_THROW(cut_by_plane(box, 0.2, {0.0, 0.0, 0.0}), std::invalid_argument);
 }
 
 }  // namespace

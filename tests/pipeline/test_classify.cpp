@@ -109,6 +109,57 @@ TEST(Classify, AMaskGrowsWhereAPartIsMissing) {
     EXPECT_EQ(none.values, std::vector<double>(none.values.size(), 1.0));
 }
 
+/// An L, which is not its own mirror image.
+ComparedShape<2> hook() {
+    ComparedShape<2> s;
+    s.name = s.digest = s.label = "hook";
+    s.level_set = LevelSet<2>{DyadicGrid<2>(6)};
+    for (std::size_t i = 0; i < s.level_set.values.size(); ++i) {
+        const Point<2> p = s.level_set.grid.position(s.level_set.grid.node(i));
+        const auto box = [&](double x0, double x1, double y0, double y1) {
+            return std::min({p[0] - x0, x1 - p[0], p[1] - y0, y1 - p[1]});
+        };
+        s.level_set.values[i] = std::max(box(0.3, 0.42, 0.25, 0.8), box(0.3, 0.62, 0.25, 0.37));
+    }
+    s.level_set = redistanced(s.level_set);
+    for (const double v : s.level_set.values) s.volume += v > 0 ? 1.0 / 4096 : 0.0;
+    return s;
+}
+
+TEST(Classify, MirrorImagesCountAsTheSameIfAskedFor) {
+    const ComparedShape<2> whole = hook();
+    const auto query = std::make_shared<const ComparedShape<2>>(mirror_image(whole));
+    EXPECT_EQ(mirror_image(*query).level_set.values, whole.level_set.values);
+    const auto distance = [&](bool mirror) {
+        const PartialMatcher<2> matcher(query, {}, "common", "rigid", false, mirror);
+        double least = 1e300;
+        for (const auto& start : matcher.starts(whole)) {
+            least = std::min(least, matcher.measure(whole, start, coarse(), {}).distance);
+        }
+        return least;
+    };
+    EXPECT_LT(distance(true), 0.25 * distance(false));
+}
+
+TEST(Classify, AStraightCutIsRecognised) {
+    LevelSet<2> cut = shape(0, 1.0);  // a disk around the middle
+    const double c = std::cos(0.5), s = std::sin(0.5);
+    for (std::size_t i = 0; i < cut.values.size(); ++i) {
+        const Point<2> p = cut.grid.position(cut.grid.node(i));
+        cut.values[i] = std::min(cut.values[i], 0.05 - c * (p[0] - 0.5) - s * (p[1] - 0.5));
+    }
+    const auto masks = cut_off_masks<2>(redistanced(cut), 1);
+    ASSERT_EQ(masks.size(), 1U);
+    for (const double along : {-0.3, 0.0, 0.3}) {
+        for (const double beyond : {-0.1, 0.02, 0.08, 0.2}) {
+            const double x = 0.5 + c * beyond - s * along, y = 0.5 + s * beyond + c * along;
+            const std::size_t node =
+                masks[0].grid.index({static_cast<int>(std::lround(64 * x)), static_cast<int>(std::lround(64 * y))});
+            EXPECT_EQ(masks[0].values[node], beyond > 0.05 ? 0.0 : 1.0) << along << " " << beyond;
+        }
+    }
+}
+
 TEST(Classify, RedistancedGivesDistances) {
     LevelSet<2> u{DyadicGrid<2>(6)};
     for (std::size_t i = 0; i < u.values.size(); ++i) {
@@ -147,6 +198,42 @@ TEST(Classify, BatchOfOccludedLettersFromTheCommandLine) {
     EXPECT_THAT(page, testing::HasSubstr("Confusion matrix"));
     EXPECT_THAT(page, testing::HasSubstr("data:image/png;base64,"));
     EXPECT_THAT(page, testing::Not(testing::HasSubstr("http://")));
+}
+
+TEST(Classify, AMatchstickManWithoutAnArmAndALegIsRecognised) {
+    const tests::TemporaryFolder folder;
+    const std::string men = (folder / "men").string(), hidden = (folder / "hidden").string(),
+                      out = (folder / "out").string();
+    ASSERT_EQ(run_program({"datasets", "matchstick", "--count", "9", "--seed", "1", "--out", men, "--quiet"}), 0);
+    ASSERT_EQ(run_program({"datasets", "matchstick", "--count", "9", "--seed", "2", "--hide-limbs", "--out", hidden,
+                           "--quiet"}),
+              0);
+    ASSERT_EQ(run_program({"classify", hidden, "--templates", men, "--level", "5", "--steps", "2", "--out", out,
+                           "--filmstrips", "1", "--pictures", "1", "--quiet"}),
+              0);
+    const auto json = nlohmann::json::parse(tests::file_content(folder / "out/classification.json"));
+    ASSERT_EQ(json["labelled"], 9);
+    EXPECT_GE(json["right"].get<int>(), 8);  // person and pose
+    for (const auto& query : json["queries"]) EXPECT_GT(query["hidden_share"].get<double>(), 0.1);
+}
+
+TEST(Classify, AFootWithoutToesIsRecognised) {
+    const tests::TemporaryFolder folder;
+    const std::string feet = (folder / "feet").string(), cut = (folder / "cut").string(),
+                      out = (folder / "out").string();
+    ASSERT_EQ(run_program({"datasets", "feet", "--count", "3", "--out", feet, "--quiet"}), 0);
+    ASSERT_EQ(run_program({"datasets", "occlude", feet, "--fraction", "0.15", "--direction", "1,0,0", "--out", cut,
+                           "--labels", "csv", "--quiet"}),
+              0);
+    ASSERT_EQ(run_program({"classify", cut, "--templates", feet, "--level", "4", "--steps", "1", "--out", out,
+                           "--no-calibrate", "--filmstrips", "1", "--pictures", "1", "--quiet"}),
+              0);
+    const auto json = nlohmann::json::parse(tests::file_content(folder / "out/classification.json"));
+    EXPECT_EQ(json["right"], 3);
+    for (const auto& query : json["queries"]) {
+        EXPECT_EQ(query["mask"], "known");
+        EXPECT_NEAR(query["hidden_share"].get<double>(), 0.15, 0.08);
+    }
 }
 
 TEST(Classify, BadUsageIsExitCodeTwo) {

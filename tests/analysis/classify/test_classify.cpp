@@ -102,6 +102,36 @@ TEST(Classify, RejectsStrangersAtTheAgreedPrice) {
     EXPECT_GE(kept_out, 160);
 }
 
+TEST(Classify, ACloseSecondClassMakesAStranger) {
+    // Members lie more or less loosely in their classes, but all are 1.6 times as far from other classes. A stranger
+    // lies between two classes, as near as a member may lie: only the second distance tells.
+    const std::size_t classes = 4, members = 12;
+    Names names, items;
+    for (std::size_t i = 0; i < classes * members; ++i) {
+        names.push_back(std::string(1, static_cast<char>('a' + i / members)));
+        items.push_back("item " + std::to_string(i));
+    }
+    DistanceMatrix distances(items);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        for (std::size_t j = i + 1; j < items.size(); ++j) {
+            const double loose = std::sqrt((1.0 + 0.7 * static_cast<double>(i % members)) *
+                                           (1.0 + 0.7 * static_cast<double>(j % members)));
+            distances.set(i, j, names[i] == names[j] ? loose : 1.6 * loose);
+        }
+    }
+    const Calibration calibration = calibrate(distances, names);
+    EXPECT_GT(calibration.novelty_exponent, 0.0);
+    EXPECT_EQ(calibration.strangers, items.size());
+    EXPECT_GT(calibration.strangers_rejected, items.size() * 9 / 10);
+    std::vector<double> member(items.size()), stranger(items.size());
+    for (std::size_t j = 0; j < items.size(); ++j) {
+        member[j] = names[j] == "b" ? 1.1 : 1.8;
+        stranger[j] = names[j] == "b" ? 1.1 : 1.2;
+    }
+    EXPECT_EQ(classify(member, names, {}, &calibration).rejection, Rejection::accepted);
+    EXPECT_EQ(classify(stranger, names, {}, &calibration).rejection, Rejection::too_far);
+}
+
 TEST(Classify, ACopyOfATemplateHasDistanceZeroAndIsAccepted) {
     const Problem p = problem();
     const Calibration calibration = calibrate(p.templates, p.classes);
