@@ -125,8 +125,8 @@ TEST(Classify, ACloseSecondClassMakesAStranger) {
     EXPECT_GT(calibration.strangers_rejected, items.size() * 9 / 10);
     std::vector<double> member(items.size()), stranger(items.size());
     for (std::size_t j = 0; j < items.size(); ++j) {
-        member[j] = names[j] == "b" ? 1.1 : 1.8;
-        stranger[j] = names[j] == "b" ? 1.1 : 1.2;
+        member[j] = names[j] == "b" ? 2.4 : 3.9;
+        stranger[j] = names[j] == "b" ? 2.4 : 2.5;
     }
     EXPECT_EQ(classify(member, names, {}, &calibration).rejection, Rejection::accepted);
     EXPECT_EQ(classify(stranger, names, {}, &calibration).rejection, Rejection::too_far);
