@@ -160,10 +160,10 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
     if (result.queries > 0) result.accuracy = static_cast<double>(result.right) / static_cast<double>(result.queries);
     const double typical = quantile(all, 0.5);
     for (const ClassCount& c : counts) {
-        std::vector<double> members = own[c.name];
-        std::sort(members.begin(), members.end());
-        if (!std::isnan(typical)) members.push_back(typical);
-        result.scales.push_back({c.name, mean(members)});
+        std::vector<double> within = own[c.name];
+        std::sort(within.begin(), within.end());
+        if (!std::isnan(typical)) within.push_back(typical);
+        result.scales.push_back({c.name, mean(within)});
     }
     calibrate_novelty(members, strangers, result);
     result.confidence = fit_confidence(margins, right, options.calibration);
