@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "geodesic/grid/q1_element.h"
@@ -241,6 +242,11 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
     constexpr int rounds = 60;
     std::vector<double> smoothed;
     std::vector<std::size_t> nodes, cells;
+    // The round that listed a node or cell last: each is listed once a round.
+    std::vector<int> node_seen(bad.empty() ? 0 : grid.node_count(), -1), cell_seen = node_seen;
+    const auto list = [](std::vector<std::size_t>& items, std::vector<int>& seen, std::size_t i, int round) {
+        if (std::exchange(seen[i], round) != round) items.push_back(i);
+    };
     for (int round = 0; round < rounds && !bad.empty(); ++round) {
         const int reach = round / 6;
         nodes.clear();
@@ -251,18 +257,14 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
                 for (const int c : i) {
                     if (c <= 0 || c >= n - 1) return;
                 }
-                nodes.push_back(grid.index(i));
+                list(nodes, node_seen, grid.index(i), round);
             });
             for_box(low, 1 + reach, -1 - reach, [&](const auto& i) {  // the cells these nodes belong to
                 for (const int c : i) {
                     if (c < 0 || c >= n - 1) return;
                 }
-                cells.push_back(grid.index(i));
+                list(cells, cell_seen, grid.index(i), round);
             });
-        }
-        for (auto* list : {&nodes, &cells}) {
-            std::sort(list->begin(), list->end());
-            list->erase(std::unique(list->begin(), list->end()), list->end());
         }
         smoothed.resize(nodes.size());
         for (double* w : displacement) {

@@ -142,7 +142,7 @@ public:
             trial.translation = m.translation + change.template tail<Dim>();
             const double next = evaluate(trial, nullptr, nullptr, rotate);
             if (next < value) {
-                const bool small = value - next < 1e-7 * value || change.norm() < 1e-7;
+                const bool small = value - next < 1e-5 * value || change.norm() < 1e-7;
                 m = trial;
                 value = evaluate(m, &gradient, &normal, rotate);
                 damping = std::max(damping * 0.2, 1e-9);

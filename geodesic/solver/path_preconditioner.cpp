@@ -19,11 +19,22 @@ constexpr double tail_floor = 1e-2;  // share of max delta_eps^2 in the scaling 
 // stiffness for full steps to be accepted (measured: 1 costs twice the line searches, 3 more iterations).
 constexpr double coupling = 2.0;
 
-/// Adds the Gauss-Newton matrix of the mismatch in the deformation, lumped at the nodes: the sum over the quadrature
-/// points of weight N_i (delta_eps(u))^2 grad u grad u^T, u the shape of step k seen at the deformed point.
+/// Gauss-Newton matrices of the mismatch of one step, lumped at the nodes.
+template <int Dim>
+struct MismatchMass {
+    typename VCycle<Dim>::Mass deformation;    // in phi_k
+    std::vector<float> previous_shape, shape;  // in u_{k-1} and u_k
+
+    explicit MismatchMass(std::size_t nodes) : previous_shape(nodes, 0.0F), shape(nodes, 0.0F) {
+        for (auto& m : deformation) m.assign(nodes, 0.0F);
+    }
+};
+
+/// Sums over the quadrature points: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed
+/// point; in the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
 template <int Dim>
 void add_mismatch_mass(const DyadicGrid<Dim>& grid, const double* from, const double* to,
-                       const DisplacementView<Dim>& w, double eps, double weight, typename VCycle<Dim>::Mass& mass) {
+                       const DisplacementView<Dim>& w, double eps, double weight, MismatchMass<Dim>& mass) {
     constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
     const double per_cell = grid.cells_per_axis(), far = 6.0 * eps;
@@ -82,9 +93,12 @@ void add_mismatch_mass(const DyadicGrid<Dim>& grid, const double* from, const do
             const double size = weight * std::max(there * there, here * here);
             for (int c = 0; c < corners; ++c) {
                 const std::size_t i = node + offsets[static_cast<std::size_t>(c)];
+                mass.previous_shape[i] += static_cast<float>(weight * shape[q][c] * here * here);
+                mass.shape[where.node + offsets[static_cast<std::size_t>(c)]] +=
+                    static_cast<float>(weight * q1::shape<Dim>(c, where.fraction) * there * there);
                 for (int r = 0; r < Dim; ++r) {
                     for (int s = r; s < Dim; ++s) {
-                        mass[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][i] +=
+                        mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][i] +=
                             static_cast<float>(size * shape[q][c] * slope[r] * slope[s]);
                     }
                 }
@@ -107,6 +121,8 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     const auto& options = energy.options();
     const double stiffness = 2.0 * layout_.time_steps * (options.mu + 0.25 * options.lambda);
     const double max_delta = std::numbers::inv_pi / eps;
+    std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps),
+                                          MismatchMass<Dim>(layout_.nodes()));
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(0, layout_.time_steps, [&](int index) {
             const auto k = static_cast<std::size_t>(index);
@@ -117,10 +133,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
             }
             const auto least = least_node_det<Dim>(layout_.grid, displacement);
             std::vector<float> weight(layout_.nodes());
-            typename VCycle<Dim>::Mass mass;
-            for (auto& m : mass) m.assign(layout_.nodes(), 0.0F);
             for (std::size_t i = 0; i < weight.size(); ++i) {
-                const double delta = smooth_delta(u[i], eps);
                 const double inside =
                     (1.0 - options.outside_stiffness) * smooth_heaviside(u[i], eps) + options.outside_stiffness;
                 // Where a cell is squeezed to det = s, the logarithm stiffens it by about 1 / s^2.
@@ -130,15 +143,18 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                     local += PathEnergy<Dim>::barrier_weight * 0.5 / (squeezed * squeezed);
                 }
                 weight[i] = static_cast<float>(stiffness * local);
-                if (k > 0) {
-                    const double curvature = coupling * 4.0 * energy.eta() * node_volume *
-                                             (delta * delta + tail_floor * max_delta * max_delta);
-                    inverse_u_[k - 1][i] = static_cast<float>(1.0 / curvature);
-                }
             }
             add_mismatch_mass<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
-                                   coupling * 2.0 * energy.eta() * node_volume / (1 << Dim), mass);
-            cycles_[k].set_operator(weight, mass);
+                                   coupling * 2.0 * energy.eta() * node_volume / (1 << Dim), masses[k]);
+            cycles_[k].set_operator(weight, masses[k].deformation);
+        });
+        const double floor = coupling * 4.0 * energy.eta() * node_volume * tail_floor * max_delta * max_delta;
+        oneapi::tbb::parallel_for(1, layout_.time_steps, [&](int index) {
+            const auto k = static_cast<std::size_t>(index);
+            for (std::size_t i = 0; i < layout_.nodes(); ++i) {
+                const double curvature = static_cast<double>(masses[k - 1].shape[i] + masses[k].previous_shape[i]);
+                inverse_u_[k - 1][i] = static_cast<float>(1.0 / (curvature + floor));
+            }
         });
     });
 }

@@ -12,7 +12,9 @@ namespace morphodesic {
 ///   phi_k:  one V-cycle of -2 c K div(w_k grad) + 2 eta delta^2 n n^T, c = mu + lambda/4,
 ///           w_k = (1 - delta) H_eps(u_{k-1}) + delta; the second term is the Gauss-Newton matrix of the mismatch,
 ///           n = grad u_k at the deformed point: stiff across the contour, free along it;
-///   u_k:    division by 4 eta h^d (delta_eps(u_k)^2 + 1e-2 max delta_eps^2).
+///   u_k:    division by the lumped Gauss-Newton matrix of the two mismatches it is part of, plus a floor of 1 % of its
+///           largest value.
+/// Both are assembled at the quadrature points: the rim is narrower than a cell, nodes alone would miss it.
 template <int Dim>
 class PathPreconditioner {
 public:

@@ -50,8 +50,8 @@ void energy_and_gradient(benchmark::State& state) {
     std::vector<double> gradient(problem.x.size());
     for (auto _ : state) benchmark::DoNotOptimize(problem.energy.evaluate(problem.x, gradient).total);
     const double points = steps * static_cast<double>(problem.energy.layout().grid.cell_count()) * (1 << Dim);
-    state.counters["per_point"] = benchmark::Counter(
-        points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.counters["per_point"] =
+        benchmark::Counter(points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK_TEMPLATE(energy_and_gradient, 2)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(energy_and_gradient, 3)->Arg(5)->Arg(6)->Unit(benchmark::kMillisecond);
@@ -95,8 +95,7 @@ void letters_throughput(benchmark::State& state) {
         }
     }
     state.counters["mean_E"] = energy / pairs;
-    state.counters["pairs_per_core_second"] =
-        benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["pairs_per_core_second"] = benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(letters_throughput)->Unit(benchmark::kMillisecond)->Iterations(1);
 
