@@ -28,7 +28,11 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
     const double n = nodes(dimension, level), fields = dimension * time_steps + time_steps - 1;
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
     const double path = 6 * fields * sizeof(double) + 12 * fields * sizeof(float);
-    const double preconditioner = sizeof(float) * (time_steps * (dimension + 8) * coarser + (time_steps - 1));
+    // Multigrid: weight, diagonal, mass and block inverse (symmetric matrices), edges, three vectors; the masses once more
+    // while they are assembled.
+    const double matrix = dimension * (dimension + 1) / 2.0;
+    const double preconditioner =
+        sizeof(float) * (time_steps * ((2 + 2 * matrix + 4 * dimension) * coarser + matrix + 2) + (time_steps - 1));
     const double ends = 4 * sizeof(double);
     return static_cast<std::size_t>(1.1 * n * (path + preconditioner + ends));
 }
