@@ -40,7 +40,10 @@ Figure figure_cracks(const FigureOptions& options) {
     std::vector<LabelledPath> drawn;
     std::string summaries;
     struct Contours {
-        double excess = -1e300, mean = 0;  ///< largest excess over the straight line from X to M; mean of those between
+        double excess = -1e300;  ///< largest excess over the straight line from X to M
+        /// Mean of those between, each per root of its area: shapes whose area is not kept shrink on the way (by 8 % at
+        /// mu = 0.03), which shortens their contour as well.
+        double per_root_of_area = 0;
         int least_euler = 1, most_parts = 1;
     };
     std::vector<Contours> contours;
@@ -66,7 +69,7 @@ Figure figure_cracks(const FigureOptions& options) {
             const ShapeMeasures measures = measure(u);
             const double straight = first + (last - first) * static_cast<double>(k) / steps;
             found.excess = std::max(found.excess, measures.surface / straight - 1);
-            found.mean += measures.surface / (steps - 1);
+            found.per_root_of_area += measures.surface / std::sqrt(measures.volume) / (steps - 1);
             found.least_euler = std::min(found.least_euler, measures.euler);
             found.most_parts = std::max(found.most_parts, measures.components);
             drift = std::max(drift, std::abs(measures.volume / area - 1));
@@ -103,9 +106,10 @@ Figure figure_cracks(const FigureOptions& options) {
                                  "1, 1: one piece without holes", smooth.least_euler == 1 && smooth.most_parts == 1,
                                  "X and M are one piece without holes"});
     }
-    figure.checks.push_back({"mean contour between, mu = 0.03, nu = 0.005", rounded(smooth.mean),
-                             "below that of nu = 0: " + rounded(stiff.mean), smooth.mean < stiff.mean,
-                             "the term asks for it"});
+    figure.checks.push_back({"mean contour between per root of the area, mu = 0.03, nu = 0.005",
+                             rounded(smooth.per_root_of_area),
+                             "below that of nu = 0: " + rounded(stiff.per_root_of_area),
+                             smooth.per_root_of_area < stiff.per_root_of_area, "the term asks for it"});
     return figure;
 }
 
