@@ -32,6 +32,10 @@ constexpr double smooth_tolerance = 1e-2;  // of the energy with the wide rim, b
 template <int Dim>
 constexpr int last_search_level = Dim == 2 ? 6 : 5;
 
+/// Pairs of L-BFGS. In 3D memory is short, and two more save next to nothing.
+template <int Dim>
+constexpr int history = Dim == 2 ? 6 : 4;
+
 /// Starts that go on from a level of the search: at most `count`, with an energy up to `margin` times the least.
 /// Measured on letters: energies of one start on levels 4 and 6 differ by up to a quarter, on levels 5 and 6 by up to
 /// an eighth.
@@ -50,7 +54,6 @@ template <int Dim>
 struct Start {
     RigidMotion<Dim> motion;
     PathState<Dim> path;
-    PathState<Dim> coarser;  ///< where the search left it one level below
     PathTerms terms;
     Termination termination = Termination::converged;
     std::vector<LevelReport> levels;
@@ -68,9 +71,10 @@ public:
         GeodesicResult<Dim> result;
         result.options = options_;
         Start<Dim> best;
+        double wide_length = 0.0;
         try {
             best = search();
-            finish(best);
+            wide_length = finish(best);
             certify(best);
         } catch (const Cancelled&) {
             result.termination = Termination::cancelled;
@@ -79,7 +83,7 @@ public:
                 std::numeric_limits<double>::quiet_NaN();
             return result;
         }
-        fill(result, best);
+        fill(result, best, wide_length);
         result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
         return result;
     }
@@ -122,6 +126,7 @@ private:
         MinimizerOptions minimizer;
         minimizer.tolerance = tolerance;
         minimizer.max_iterations = options_.max_iterations;
+        minimizer.history = history<Dim>;
         const auto summary = minimize_path<Dim>(energy, start.path.x, minimizer);
         start.terms = summary.terms;
         start.termination = summary.termination;
@@ -141,15 +146,16 @@ private:
         if (observer_ && !observer_(report)) throw Cancelled{};
     }
 
-    /// Rim of the search; never narrower than the wanted one.
-    [[nodiscard]] double wide_rim() const { return std::max(options_.rim_width, search_rim); }
+    /// Rim of all but the last solve.
+    [[nodiscard]] double wide_rim() const { return std::max(2.0 * options_.rim_width, search_rim); }
+    [[nodiscard]] double last_wide_tolerance() const { return std::max(options_.tolerance, smooth_tolerance); }
 
     /// K -> 2 K on the level of the path.
-    void double_steps(Start<Dim>& start, double rim_width, double tolerance) {
+    void double_steps(Start<Dim>& start, double tolerance) {
         const int level = start.path.layout.grid.level();
         int folds = 0;
         start.path = split_in_time(start.path, first_on(start.motion, level), restricted(b_, level), folds);
-        solve(start, folds, rim_width, tolerance);
+        solve(start, folds, wide_rim(), tolerance);
     }
 
     /// The alignments, each solved on the start level with the time steps of the search.
@@ -167,7 +173,7 @@ private:
             doubling.motion = candidate.motion;
             doubling.path = blended_path(first, last, 1);
             solve(doubling, 0, wide_rim(), tolerance);
-            while (doubling.path.layout.time_steps < steps) double_steps(doubling, wide_rim(), tolerance);
+            while (doubling.path.layout.time_steps < steps) double_steps(doubling, tolerance);
             starts.push_back(std::move(doubling));
         }
         sort(starts);
@@ -192,7 +198,7 @@ private:
             for (auto& start : starts) {
                 int folds = 0;
                 auto fine = prolong_in_space(start.path, folds);
-                start.coarser = std::exchange(start.path, std::move(fine));
+                start.path = std::move(fine);
                 solve(start, folds, wide_rim(), tolerance);
             }
             sort(starts);
@@ -200,38 +206,27 @@ private:
         return std::move(starts.front());
     }
 
-    /// Narrow rim and all time steps, on the level where the path is. Many short steps are coupled stiffly; they start
-    /// from few long ones that have converged.
-    void settle(Start<Dim>& start) {
-        solve(start, 0, options_.rim_width, options_.tolerance);
-        while (start.path.layout.time_steps < options_.time_steps) {
-            double_steps(start, options_.rim_width, options_.tolerance);
-        }
+    /// Many short steps are coupled stiffly; they start from few long ones that have converged.
+    void take_all_steps(Start<Dim>& start) {
+        while (start.path.layout.time_steps < options_.time_steps) double_steps(start, options_.tolerance);
     }
 
-    /// Takes the best start of the search to the wanted level; the level below is solved to the end, too, since the
-    /// error bar compares the two.
-    void finish(Start<Dim>& best) {
-        if (best.path.layout.grid.level() == options_.level) {
-            if (best.coarser.x.empty()) return settle(best);  // a single level
-            Start<Dim> below;
-            below.motion = best.motion;
-            below.path = std::move(best.coarser);
-            settle(below);
-            length_below_ = below.terms.path_length();
-            best.levels.insert(best.levels.end(), below.levels.begin(), below.levels.end());
-            return settle(best);
-        }
-        while (best.path.layout.grid.level() < options_.level) {
-            if (best.path.layout.grid.level() + 1 == options_.level) {
-                settle(best);
-                length_below_ = best.terms.path_length();
-            }
+    /// Takes the best start of the search to the wanted level and number of steps with the wide rim; then the rim is
+    /// made narrow. The error bar compares the two lengths.
+    /// @return length with the wide rim
+    double finish(Start<Dim>& best) {
+        solve(best, 0, wide_rim(), options_.tolerance);
+        int level = best.path.layout.grid.level();
+        for (; level < options_.level; ++level) {
+            if (level + 1 == options_.level) take_all_steps(best);
             int folds = 0;
             best.path = prolong_in_space(best.path, folds);
-            solve(best, folds, wide_rim(), std::max(options_.tolerance, smooth_tolerance));
+            solve(best, folds, wide_rim(), level + 1 < options_.level ? options_.tolerance : last_wide_tolerance());
         }
+        take_all_steps(best);
+        const double wide = best.terms.path_length();
         solve(best, 0, options_.rim_width, options_.tolerance);
+        return wide;
     }
 
     static double min_det_of(const PathState<Dim>& path) {
@@ -263,7 +258,7 @@ private:
         }
     }
 
-    void fill(GeodesicResult<Dim>& result, Start<Dim>& best) const {
+    void fill(GeodesicResult<Dim>& result, Start<Dim>& best, double wide_length) const {
         const auto& layout = best.path.layout;
         result.termination = best.termination;
         if (best.termination == Termination::max_steps) {
@@ -278,7 +273,7 @@ private:
         result.mismatch_energy = best.terms.mismatch;
         result.motion = best.motion;
         result.levels = best.levels;
-        error_bar(result);
+        error_bar(result, wide_length);
 
         result.min_det = std::numeric_limits<double>::infinity();
         result.shapes.push_back(first_on(best.motion, layout.grid.level()));
@@ -307,25 +302,19 @@ private:
         if (!result.levels.empty()) result.levels.back().min_det = result.min_det;
     }
 
-    /// The length is first order in h, so the last two levels extrapolate it (Richardson): l_L + (l_L - l_{L-1}). The
-    /// bar is 1.6 times that correction (on the closed forms the order is a little below one before the limit), half
-    /// the change from the last doubling of K, and what the tolerance leaves.
-    void error_bar(GeodesicResult<Dim>& result) const {
-        // What the doubling to all time steps changed, on the coarsest level that saw both.
-        double in_time = 0.0;
+    /// The error is first order in the width of the rim (a step may drift by a share of it for little mismatch), so two
+    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). The bar is 1.6 times that
+    /// correction (on the closed forms the order is a little below one before the limit), half the change from the last
+    /// doubling of K, and what the tolerance leaves.
+    void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
+        double in_time = 0.0;  // what the doubling to all time steps changed
         for (std::size_t i = 1; i < result.levels.size(); ++i) {
             const LevelReport &before = result.levels[i - 1], &after = result.levels[i];
             if (after.time_steps != options_.time_steps || 2 * before.time_steps != after.time_steps) continue;
             in_time = after.path_length - before.path_length;
             break;
         }
-        const double coarser = length_below_;
-        if (std::isnan(coarser)) {  // a single level: nothing to extrapolate from
-            result.extrapolated_length = result.path_length;
-            result.error = result.path_length;
-            return;
-        }
-        const double rest = result.path_length - coarser;
+        const double rest = (result.path_length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
         result.extrapolated_length = result.path_length + rest;
         result.error = 1.6 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
     }
@@ -335,7 +324,6 @@ private:
     const GeodesicOptions& options_;
     const ScalarField<Dim>& mask_;
     const GeodesicObserver& observer_;
-    double length_below_ = std::numeric_limits<double>::quiet_NaN();  // with the narrow rim, one level below
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/kernels/vector_kernels.h"
 
 namespace morphodesic {
 
@@ -289,11 +290,69 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
     return folded;
 }
 
+template <int Dim>
+int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,
+                 const std::array<double*, Dim>& change, double keep) {
+    const double inverse_h = grid.cells_per_axis();
+    const auto cells = static_cast<std::size_t>(grid.cells_per_axis()), nodes = cells + 1;
+    std::ptrdiff_t stride[Dim] = {1};
+    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::ptrdiff_t>(nodes);
+    const auto squeezed = [&](std::size_t node, std::size_t count, unsigned char* flag) {
+        const double *w[Dim], *d[Dim];
+        for (std::size_t a = 0; a < Dim; ++a) {
+            w[a] = displacement[a] + node;
+            d[a] = change[a] + node;
+        }
+        kernels::squeezed_cells<Dim>(count, w, d, stride, inverse_h, keep, flag);
+    };
+
+    std::vector<std::size_t> bad;
+    std::vector<unsigned char> flag(cells);
+    for (std::size_t row = 0; row < grid.node_count() / nodes; ++row) {
+        const auto low = grid.node(row * nodes);
+        if (std::any_of(low.begin() + 1, low.end(), [&](int c) { return c == grid.cells_per_axis(); })) continue;
+        squeezed(row * nodes, cells, flag.data());
+        for (std::size_t i = 0; i < cells; ++i) {
+            if (flag[i]) bad.push_back(row * nodes + i);
+        }
+    }
+    const int count = static_cast<int>(bad.size());
+    constexpr int rounds = 12;
+    std::vector<std::size_t> around;
+    std::vector<int> node_seen(bad.empty() ? 0 : grid.node_count(), -1), cell_seen = node_seen;
+    for (int round = 0; round < rounds && !bad.empty(); ++round) {
+        around.clear();
+        for (const std::size_t cell : bad) {
+            const auto low = grid.node(cell);
+            for_box(low, 1, 0, [&](const auto& i) {
+                const std::size_t node = grid.index(i);
+                if (std::exchange(node_seen[node], round) == round) return;
+                for (double* d : change) d[node] *= 0.5;
+            });
+            for_box(low, 1, -1, [&](const auto& i) {  // the cells these nodes belong to
+                for (const int c : i) {
+                    if (c < 0 || c >= grid.cells_per_axis()) return;
+                }
+                const std::size_t at = grid.index(i);
+                if (std::exchange(cell_seen[at], round) != round) around.push_back(at);
+            });
+        }
+        bad.clear();
+        for (const std::size_t cell : around) {
+            squeezed(cell, 1, flag.data());
+            if (flag[0]) bad.push_back(cell);
+        }
+    }
+    return count;
+}
+
 template double det_lower_bound<2>(const DyadicGrid<2>&, const DisplacementView<2>&);
 template double det_lower_bound<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
 template std::vector<double> least_node_det<2>(const DyadicGrid<2>&, const DisplacementView<2>&);
 template std::vector<double> least_node_det<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
 template int repair_folds<2>(const DyadicGrid<2>&, const std::array<double*, 2>&, double);
 template int repair_folds<3>(const DyadicGrid<3>&, const std::array<double*, 3>&, double);
+template int limit_change<2>(const DyadicGrid<2>&, const DisplacementView<2>&, const std::array<double*, 2>&, double);
+template int limit_change<3>(const DyadicGrid<3>&, const DisplacementView<3>&, const std::array<double*, 3>&, double);
 
 }  // namespace morphodesic

@@ -82,6 +82,64 @@ double dot_of(std::span<const A> a, std::span<const B> b) {
     return total;
 }
 
+/// Least det of I + (edge differences) / h at the corners of the cell at node i, of a field given by its components.
+template <int Dim>
+inline __attribute__((always_inline)) double least_corner_det(const double* const (&w)[Dim],
+                                                              const double* const (*d)[Dim],
+                                                              const std::ptrdiff_t* stride, std::ptrdiff_t i,
+                                                              double inverse_h) {
+    double v[Dim][1 << Dim];
+#pragma GCC unroll 8
+    for (int c = 0; c < (1 << Dim); ++c) {
+        std::ptrdiff_t at = i;
+#pragma GCC unroll 3
+        for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+#pragma GCC unroll 3
+        for (int a = 0; a < Dim; ++a) v[a][c] = w[a][at] + (d ? (*d)[a][at] : 0.0);
+    }
+    double least = 1e300;
+#pragma GCC unroll 8
+    for (int c = 0; c < (1 << Dim); ++c) {
+        double m[Dim][Dim];
+#pragma GCC unroll 3
+        for (int r = 0; r < Dim; ++r) {
+#pragma GCC unroll 3
+            for (int j = 0; j < Dim; ++j) {
+                m[r][j] = (r == j ? 1.0 : 0.0) + (v[r][c | (1 << j)] - v[r][c & ~(1 << j)]) * inverse_h;
+            }
+        }
+        double det;
+        if constexpr (Dim == 2) {
+            det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+        } else {
+            det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                  m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+        }
+        least = least < det ? least : det;  // a NaN in det wins
+    }
+    return least;
+}
+
+MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const double* const (&d)[2],
+                                         const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
+                                         unsigned char* flag) {
+    for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        const double before = least_corner_det<2>(w, nullptr, stride, i, inverse_h);
+        const double after = least_corner_det<2>(w, &d, stride, i, inverse_h);
+        flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
+    }
+}
+
+MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const double* const (&d)[3],
+                                         const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
+                                         unsigned char* flag) {
+    for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        const double before = least_corner_det<3>(w, nullptr, stride, i, inverse_h);
+        const double after = least_corner_det<3>(w, &d, stride, i, inverse_h);
+        flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
+    }
+}
+
 }  // namespace
 
 double dot(std::span<const double> a, std::span<const double> b) {
@@ -113,6 +171,17 @@ void scale(std::span<double> y, double factor) {
     for_chunks(y.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) y[i] *= factor;
     });
+}
+
+template <>
+void squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const double* const (&d)[2],
+                       const std::ptrdiff_t (&stride)[2], double inverse_h, double keep, unsigned char* flag) {
+    squeezed_cells_2(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
+}
+template <>
+void squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const double* const (&d)[3],
+                       const std::ptrdiff_t (&stride)[3], double inverse_h, double keep, unsigned char* flag) {
+    squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
 }
 
 }  // namespace morphodesic::kernels

@@ -1,5 +1,8 @@
 #include "geodesic/solver/path_minimizer.h"
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -18,9 +21,10 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
-constexpr int patience = 4;  // shorter steps tried before the history is given up
-constexpr int refresh = 10;  // iterations between two updates of the preconditioner
-constexpr int window = 5;    // iterations over which the decrease is measured
+constexpr int patience = 4;          // shorter steps tried before the history is given up
+constexpr int refresh = 10;          // iterations between two updates of the preconditioner
+constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
+constexpr int window = 5;            // iterations over which the decrease is measured
 
 struct Pair {
     std::vector<float> s, y;
@@ -43,6 +47,23 @@ void lbfgs_direction(const std::deque<Pair>& pairs, PathPreconditioner<Dim>& pre
         kernels::add_scaled(direction, alpha[i] - beta, pairs[i].s);
     }
     kernels::scale(direction, -1.0);
+}
+
+/// Cells of the background that a step would squeeze at once stop it as a whole, or fold; there the step is shortened,
+/// in those cells alone.
+template <int Dim>
+void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x, std::vector<double>& direction) {
+    oneapi::tbb::this_task_arena::isolate([&] {
+        oneapi::tbb::parallel_for(1, layout.time_steps + 1, [&](int k) {
+            DisplacementView<Dim> w;
+            std::array<double*, Dim> change;
+            for (int a = 0; a < Dim; ++a) {
+                w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
+                change[static_cast<std::size_t>(a)] = direction.data() + layout.displacement(k, a);
+            }
+            limit_change<Dim>(layout.grid, w, change, least_share);
+        });
+    });
 }
 
 /// Repairs the deformations that fold, unless there are too many of them to be a local matter.
@@ -94,11 +115,13 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
         lbfgs_direction(pairs, preconditioner, gradient, work, direction);
         if (constraint) constraint->project_direction(x, direction);
+        limit_direction(energy.layout(), x, direction);
         double slope = kernels::dot(gradient, std::span<const double>(direction));
         if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
             pairs.clear();
             lbfgs_direction(pairs, preconditioner, gradient, work, direction);
             if (constraint) constraint->project_direction(x, direction);
+            limit_direction(energy.layout(), x, direction);
             slope = kernels::dot(gradient, std::span<const double>(direction));
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
@@ -136,6 +159,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
                 ++summary.iterations;
                 continue;
             }
+            if (preconditioner.drop_transport()) continue;
             summary.termination = Termination::no_descent;
             break;
         }

@@ -10,6 +10,7 @@
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/solver/mismatch_points.h"
 
 namespace morphodesic {
 
@@ -35,76 +36,24 @@ struct MismatchMass {
 template <int Dim>
 void add_mismatch_mass(const DyadicGrid<Dim>& grid, const double* from, const double* to,
                        const DisplacementView<Dim>& w, double eps, double weight, MismatchMass<Dim>& mass) {
-    constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
-    const double per_cell = grid.cells_per_axis(), far = 6.0 * eps;
-    double shape[corners][corners];
-    for (int q = 0; q < corners; ++q) {
-        Point<Dim> x{};
-        for (int a = 0; a < Dim; ++a) x[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
-        for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, x);
-    }
-    typename DyadicGrid<Dim>::Index cell{};
-    for (std::size_t number = 0; number < grid.cell_count(); ++number) {
-        const std::size_t node = grid.index(cell);
-        const auto low = cell;
-        for (int a = 0; a < Dim && ++cell[static_cast<std::size_t>(a)] == grid.cells_per_axis(); ++a) {
-            cell[static_cast<std::size_t>(a)] = 0;
-        }
-        double u_from[corners];
-        double displacement[Dim][corners];
-        for (int c = 0; c < corners; ++c) {
-            const std::size_t i = node + offsets[static_cast<std::size_t>(c)];
-            u_from[c] = from[i];
-            for (int a = 0; a < Dim; ++a) displacement[a][c] = w[static_cast<std::size_t>(a)][i];
-        }
-        // A cell whose middle is far from both contours has no part in it; displacements stretch a cell two times at
-        // most where that matters.
-        {
-            Point<Dim> y{};
-            double before = 0.0;
-            for (int a = 0; a < Dim; ++a) {
-                const auto at = static_cast<std::size_t>(a);
-                y[at] = (low[at] + 0.5) / per_cell;
-                for (int c = 0; c < corners; ++c) y[at] += displacement[a][c] / corners;
-            }
-            for (int c = 0; c < corners; ++c) before += u_from[c] / corners;
-            const double reach = far + 2.0 * grid.spacing();
-            if (std::abs(before) > reach && std::abs(q1::value(grid, to, y)) > reach) continue;
-        }
-        for (int q = 0; q < corners; ++q) {
-            Point<Dim> y{};
-            double before = 0.0;
-            for (int a = 0; a < Dim; ++a) {
-                const auto at = static_cast<std::size_t>(a);
-                y[at] = (low[at] + q1::gauss_coordinate(q, a)) / per_cell;
-                for (int c = 0; c < corners; ++c) y[at] += shape[q][c] * displacement[a][c];
-            }
-            for (int c = 0; c < corners; ++c) before += shape[q][c] * u_from[c];
-            const auto where = q1::locate(grid, y);
-            double after = 0.0, slope[Dim] = {};
-            for (int c = 0; c < corners; ++c) {
-                const double v = to[where.node + offsets[static_cast<std::size_t>(c)]];
-                after += q1::shape<Dim>(c, where.fraction) * v;
-                for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, where.fraction, a) * v * per_cell;
-            }
-            if (std::abs(after) > far && std::abs(before) > far) continue;
-            const double there = smooth_delta(after, eps), here = smooth_delta(before, eps);
-            const double size = weight * std::max(there * there, here * here);
-            for (int c = 0; c < corners; ++c) {
-                const std::size_t i = node + offsets[static_cast<std::size_t>(c)];
-                mass.previous_shape[i] += static_cast<float>(weight * shape[q][c] * here * here);
-                mass.shape[where.node + offsets[static_cast<std::size_t>(c)]] +=
-                    static_cast<float>(weight * q1::shape<Dim>(c, where.fraction) * there * there);
-                for (int r = 0; r < Dim; ++r) {
-                    for (int s = r; s < Dim; ++s) {
-                        mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][i] +=
-                            static_cast<float>(size * shape[q][c] * slope[r] * slope[s]);
-                    }
+    for_each_mismatch_point<Dim>(grid, from, to, w, eps, [&](const MismatchPoint<Dim>& p) {
+        const double here = p.here * p.here, there = p.there * p.there;
+        const double size = weight * std::max(here, there);
+        for (int c = 0; c < (1 << Dim); ++c) {
+            const std::size_t corner = offsets[static_cast<std::size_t>(c)];
+            const double share = q1::shape<Dim>(c, p.fraction);
+            mass.previous_shape[p.node + corner] += static_cast<float>(weight * share * here);
+            mass.shape[p.target.node + corner] +=
+                static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
+            for (int r = 0; r < Dim; ++r) {
+                for (int s = r; s < Dim; ++s) {
+                    mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
+                        static_cast<float>(size * share * p.slope[r] * p.slope[s]);
                 }
             }
         }
-    }
+    });
 }
 }  // namespace
 
@@ -113,6 +62,7 @@ PathPreconditioner<Dim>::PathPreconditioner(const PathEnergy<Dim>& energy) : lay
     const auto steps = static_cast<std::size_t>(layout_.time_steps);
     cycles_.assign(steps, VCycle<Dim>(layout_.grid));
     inverse_u_.assign(steps - 1, std::vector<float>(layout_.nodes()));
+    if (steps > 1) transport_.emplace(layout_);
 }
 
 template <int Dim>
@@ -121,6 +71,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     const auto& options = energy.options();
     const double stiffness = 2.0 * layout_.time_steps * (options.mu + 0.25 * options.lambda);
     const double max_delta = std::numbers::inv_pi / eps;
+    std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
     std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps),
                                           MismatchMass<Dim>(layout_.nodes()));
     oneapi::tbb::this_task_arena::isolate([&] {
@@ -132,7 +83,8 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                 displacement[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(index + 1, a);
             }
             const auto least = least_node_det<Dim>(layout_.grid, displacement);
-            std::vector<float> weight(layout_.nodes());
+            auto& weight = weights[k];
+            weight.resize(layout_.nodes());
             for (std::size_t i = 0; i < weight.size(); ++i) {
                 const double inside =
                     (1.0 - options.outside_stiffness) * smooth_heaviside(u[i], eps) + options.outside_stiffness;
@@ -147,6 +99,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
             add_mismatch_mass<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
                                    coupling * 2.0 * energy.eta() * node_volume / (1 << Dim), masses[k]);
             cycles_[k].set_operator(weight, masses[k].deformation);
+            masses[k].deformation = {};
         });
         const double floor = coupling * 4.0 * energy.eta() * node_volume * tail_floor * max_delta * max_delta;
         oneapi::tbb::parallel_for(1, layout_.time_steps, [&](int index) {
@@ -157,6 +110,16 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
             }
         });
     });
+    masses.clear();
+    masses.shrink_to_fit();
+    if (transport_) transport_->update(energy, x, weights, inverse_u_);
+}
+
+template <int Dim>
+bool PathPreconditioner<Dim>::drop_transport() {
+    const bool had = transport_.has_value();
+    transport_.reset();
+    return had;
 }
 
 template <int Dim>
@@ -177,6 +140,7 @@ void PathPreconditioner<Dim>::apply(std::span<const double> gradient, std::span<
             for (std::size_t i = 0; i < nodes; ++i) direction[at + i] = gradient[at + i] * inverse[i];
         });
     });
+    if (transport_) transport_->add(gradient, direction);
 }
 
 template class PathPreconditioner<2>;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "geodesic/energy/path_energy.h"
 #include "geodesic/solver/multigrid.h"
+#include "geodesic/solver/transport_correction.h"
 
 namespace morphodesic {
 
@@ -14,7 +16,8 @@ namespace morphodesic {
 ///           n = grad u_k at the deformed point: stiff across the contour, free along it;
 ///   u_k:    division by the lumped Gauss-Newton matrix of the two mismatches it is part of, plus a floor of 1 % of its
 ///           largest value.
-/// Both are assembled at the quadrature points: the rim is narrower than a cell, nodes alone would miss it.
+/// Both are assembled at the quadrature points: the rim is narrower than a cell, nodes alone would miss it. Added to it
+/// is a TransportCorrection for moves of shapes and deformations together.
 template <int Dim>
 class PathPreconditioner {
 public:
@@ -26,10 +29,15 @@ public:
     /// direction = approximate inverse Hessian times gradient; both in PathLayout order.
     void apply(std::span<const double> gradient, std::span<double> direction);
 
+    /// Goes on without the TransportCorrection, where its directions turn out to be of no use.
+    /// @return false if there was none
+    bool drop_transport();
+
 private:
     PathLayout<Dim> layout_;
-    std::vector<VCycle<Dim>> cycles_;            // per time step
-    std::vector<std::vector<float>> inverse_u_;  // per shape between
+    std::vector<VCycle<Dim>> cycles_;                    // per time step
+    std::vector<std::vector<float>> inverse_u_;          // per shape between
+    std::optional<TransportCorrection<Dim>> transport_;  // for more than one time step
 };
 
 }  // namespace morphodesic

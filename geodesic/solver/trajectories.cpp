@@ -1,0 +1,264 @@
+#include "geodesic/solver/trajectories.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+
+#include "geodesic/grid/node_loop.h"
+#include "geodesic/grid/q1_element.h"
+
+namespace morphodesic {
+
+namespace {
+
+// Squeezed and stretched cells of the background are taken as less so.
+constexpr float least_stretch = 0.25F, most_stretch = 4.0F;
+
+template <int Dim>
+using Matrix = Eigen::Matrix<float, Dim, Dim>;
+
+template <int Dim>
+Matrix<Dim> tamed(const Matrix<Dim>& m) {
+    if (m.squaredNorm() < most_stretch && m.determinant() > least_stretch) return m;
+    if (!m.allFinite()) return Matrix<Dim>::Identity();
+    const Eigen::JacobiSVD<Matrix<Dim>> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const auto s = svd.singularValues().cwiseMax(least_stretch).cwiseMin(most_stretch);
+    return svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
+}
+
+template <int Dim, class T>
+float sample(const std::array<std::size_t, 1 << Dim>& corners, const CellPlace<Dim>& p, const T* field) {
+    const auto s = corner_shares<Dim>(p.fraction);
+    float sum = 0.0F;
+    for (std::size_t c = 0; c < (1 << Dim); ++c) sum += s[c] * static_cast<float>(field[p.node + corners[c]]);
+    return sum;
+}
+
+/// Central differences of a field at a node, one-sided on the boundary.
+template <int Dim, class T>
+std::array<float, Dim> slope(const DyadicGrid<Dim>& grid, const std::array<int, Dim>& node, const T* field,
+                             std::size_t i) {
+    std::array<float, Dim> d;
+    const int cells = grid.cells_per_axis();
+    std::size_t stride = 1;
+    for (std::size_t a = 0; a < Dim; ++a, stride *= static_cast<std::size_t>(grid.nodes_per_axis())) {
+        const std::size_t up = node[a] < cells ? stride : 0, down = node[a] > 0 ? stride : 0;
+        d[a] = static_cast<float>((field[i + up] - field[i - down]) * static_cast<T>(cells)) /
+               static_cast<float>((up ? 1 : 0) + (down ? 1 : 0));
+    }
+    return d;
+}
+
+template <int Dim>
+void for_each_node(const DyadicGrid<Dim>& grid, const auto& body) {
+    const int n = grid.nodes_per_axis();
+    std::array<int, Dim> node{};
+    for (std::size_t i = 0; i < grid.node_count(); ++i) {
+        body(i, node);
+        for (std::size_t a = 0; a < Dim && ++node[a] == n; ++a) node[a] = 0;
+    }
+}
+template <class Body>
+void for_frames(int begin, int end, const Body& body) {
+    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
+}
+/// phi_k^-1 at a position, by damped fixed point iteration to 2 % of a cell.
+template <int Dim>
+struct Preimage {
+    std::array<float, Dim> position;
+    CellPlace<Dim> place;
+};
+template <int Dim>
+Preimage<Dim> back_through(const DyadicGrid<Dim>& grid, const std::array<std::size_t, 1 << Dim>& corners,
+                           std::span<const double> x, const PathLayout<Dim>& layout, int k,
+                           const std::array<float, Dim>& target) {
+    const auto near_enough = 0.02F * static_cast<float>(grid.spacing());
+    Preimage<Dim> found{target, place_of<Dim>(grid, target)};
+    float last = 1e30F, damping = 1.0F;
+    for (int iteration = 0; iteration < 20; ++iteration) {
+        float change = 0.0F;
+        std::array<float, Dim> step;
+        for (std::size_t a = 0; a < Dim; ++a) {
+            step[a] = target[a] - found.position[a] -
+                      sample<Dim>(corners, found.place, x.data() + layout.displacement(k, static_cast<int>(a)));
+            change = std::max(change, std::abs(step[a]));
+        }
+        if (change < near_enough) break;
+        if (change > last) damping = std::max(0.25F, 0.5F * damping);
+        last = change;
+        for (std::size_t a = 0; a < Dim; ++a) found.position[a] += damping * step[a];
+        found.place = place_of<Dim>(grid, found.position);
+    }
+    return found;
+}
+
+/// grad u at the nodes, weighted by delta_eps^2 over the quadrature points around: what counts is the rim, and it is
+/// narrower than a cell. Far from the rim: central differences.
+template <int Dim>
+std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, const double* u, double eps) {
+    const auto corners = q1::corner_offsets(grid);
+    const double per_cell = grid.cells_per_axis();
+    std::array<std::vector<float>, Dim> sum;
+    for (auto& c : sum) c.assign(grid.node_count(), 0.0F);
+    std::vector<float> weight(grid.node_count(), 0.0F);
+    q1::for_each_cell(grid, [&](std::size_t node) {
+        double v[1 << Dim];
+        bool near = false;
+        for (std::size_t c = 0; c < (1 << Dim); ++c) {
+            v[c] = u[node + corners[c]];
+            near = near || std::abs(v[c]) < 8 * eps || v[c] * v[0] < 0;
+        }
+        if (!near) return;
+        for (int q = 0; q < (1 << Dim); ++q) {
+            Point<Dim> y{};
+            for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
+            double value = 0.0, g[Dim] = {};
+            for (int c = 0; c < (1 << Dim); ++c) {
+                value += q1::shape<Dim>(c, y) * v[c];
+                for (int a = 0; a < Dim; ++a) g[a] += q1::shape_slope<Dim>(c, y, a) * v[c] * per_cell;
+            }
+            const double t = 1.0 / (1.0 + value * value / (eps * eps)), w = t * t;
+            for (int c = 0; c < (1 << Dim); ++c) {
+                const std::size_t i = node + corners[static_cast<std::size_t>(c)];
+                const double s = w * q1::shape<Dim>(c, y);
+                weight[i] += static_cast<float>(s);
+                for (int a = 0; a < Dim; ++a) sum[static_cast<std::size_t>(a)][i] += static_cast<float>(s * g[a]);
+            }
+        }
+    });
+    for_each_node<Dim>(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
+        constexpr float floor = 1e-3F;
+        const auto g = slope<Dim>(grid, node, u, i);
+        for (std::size_t a = 0; a < Dim; ++a) sum[a][i] = (sum[a][i] + floor * g[a]) / (weight[i] + floor);
+    });
+    return sum;
+}
+}  // namespace
+
+template <int Dim>
+Trajectories<Dim>::Trajectories(const PathLayout<Dim>& layout, const DyadicGrid<Dim>& coarse)
+    : layout_(layout), coarse_(coarse), frames_(static_cast<std::size_t>(layout.time_steps)) {
+    for (Frame& frame : frames_) {
+        for (auto* fields : {&frame.fraction, &frame.q}) {
+            for (auto& c : *fields) c.assign(layout.nodes(), 0.0F);
+        }
+        for (auto& c : frame.a) c.assign(layout.nodes(), 0.0F);
+        frame.cell.resize(layout.nodes());
+    }
+}
+
+template <int Dim>
+void Trajectories<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x) {
+    follow(x);
+    for_frames(1, layout_.time_steps, [&](int k) {
+        frames_[static_cast<std::size_t>(k)].gradient =
+            rim_gradient<Dim>(layout_.grid, energy.level_set(x, k), energy.eps());
+    });
+    differentiate(x);
+}
+
+/// P_k = P_{k-1} o phi_k^-1.
+template <int Dim>
+void Trajectories<Dim>::follow(std::span<const double> x) {
+    const auto& grid = layout_.grid;
+    const auto corners = q1::corner_offsets(grid);
+    const auto h = static_cast<float>(grid.spacing());
+    for (int k = 0; k < layout_.time_steps; ++k) {
+        Frame& frame = frames_[static_cast<std::size_t>(k)];
+        for (auto& c : frame.origin) c.assign(layout_.nodes(), 0.0F);
+        for_nodes(grid, [&](std::size_t i) {
+            std::array<float, Dim> here, y;
+            const auto node = grid.node(i);
+            for (std::size_t a = 0; a < Dim; ++a) here[a] = static_cast<float>(node[a]) * h;
+            y = here;
+            if (k > 0) {
+                const auto there = back_through<Dim>(grid, corners, x, layout_, k, here);
+                const auto& before = frames_[static_cast<std::size_t>(k - 1)].origin;
+                for (std::size_t a = 0; a < Dim; ++a) {
+                    y[a] = there.position[a] + sample<Dim>(corners, there.place, before[a].data());
+                    frame.origin[a][i] = y[a] - here[a];
+                }
+            }
+            const auto in_coarse = place_of<Dim>(coarse_, y);
+            frame.cell[i] = static_cast<std::uint32_t>(in_coarse.node);
+            for (std::size_t a = 0; a < Dim; ++a) frame.fraction[a][i] = in_coarse.fraction[a];
+        });
+    }
+}
+
+template <int Dim>
+void Trajectories<Dim>::finish() {
+    for (Frame& frame : frames_) {
+        frame.origin = {};
+        frame.gradient = {};
+    }
+}
+
+/// A_{k+1} = D phi_{k+1} A_k at the nodes of frame k, A_k = (D P_k)^-1, and q_k = grad u_k A_k.
+template <int Dim>
+void Trajectories<Dim>::differentiate(std::span<const double> x) {
+    const auto& grid = layout_.grid;
+    for_frames(0, layout_.time_steps, [&](int k) {
+        Frame& frame = frames_[static_cast<std::size_t>(k)];
+        for_each_node<Dim>(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
+            Matrix<Dim> back = Matrix<Dim>::Identity(), forth = Matrix<Dim>::Identity();
+            for (int r = 0; r < Dim; ++r) {
+                const auto s = slope<Dim>(grid, node, frame.origin[static_cast<std::size_t>(r)].data(), i);
+                const auto t = slope<Dim>(grid, node, x.data() + layout_.displacement(k + 1, r), i);
+                for (int c = 0; c < Dim; ++c) {
+                    back(r, c) += s[static_cast<std::size_t>(c)];
+                    forth(r, c) += t[static_cast<std::size_t>(c)];
+                }
+            }
+            const Matrix<Dim> until = tamed<Dim>(back).inverse();
+            const Matrix<Dim> a = tamed<Dim>(forth * until);
+            for (int r = 0; r < Dim; ++r) {
+                for (int c = 0; c < Dim; ++c) frame.a[static_cast<std::size_t>(r * Dim + c)][i] = a(r, c);
+            }
+            if (k == 0) return;
+            for (int c = 0; c < Dim; ++c) {
+                float q = 0.0F;
+                for (int r = 0; r < Dim; ++r) q += frame.gradient[static_cast<std::size_t>(r)][i] * until(r, c);
+                frame.q[static_cast<std::size_t>(c)][i] = q;
+            }
+        });
+    });
+}
+template <int Dim>
+Matrix<Dim> Trajectories<Dim>::jacobian_at(int k, std::size_t node, const Point<Dim>& fraction) const {
+    const auto corners = q1::corner_offsets(layout_.grid);
+    Matrix<Dim> back = Matrix<Dim>::Identity();
+    for (int a = 0; a < Dim; ++a) {
+        for (int c = 0; c < (1 << Dim); ++c) {
+            const float p = frame(k).origin[static_cast<std::size_t>(a)][node + corners[static_cast<std::size_t>(c)]];
+            for (int b = 0; b < Dim; ++b) {
+                back(a, b) +=
+                    static_cast<float>(q1::shape_slope<Dim>(c, fraction, b) * layout_.grid.cells_per_axis()) * p;
+            }
+        }
+    }
+    return tamed<Dim>(back).inverse();
+}
+
+template <int Dim>
+std::array<float, Dim> Trajectories<Dim>::origin_at(int k, std::size_t node, const Point<Dim>& fraction) const {
+    const auto corners = q1::corner_offsets(layout_.grid);
+    const auto cell = layout_.grid.node(node);
+    std::array<float, Dim> p;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        p[a] = static_cast<float>((cell[a] + fraction[a]) * layout_.grid.spacing());
+        for (int c = 0; c < (1 << Dim); ++c) {
+            p[a] += static_cast<float>(q1::shape<Dim>(c, fraction)) *
+                    frame(k).origin[a][node + corners[static_cast<std::size_t>(c)]];
+        }
+    }
+    return p;
+}
+
+template class Trajectories<2>;
+template class Trajectories<3>;
+
+}  // namespace morphodesic

@@ -1,0 +1,320 @@
+#include "geodesic/solver/transport_correction.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "geodesic/grid/node_loop.h"
+#include "geodesic/grid/q1_element.h"
+#include "geodesic/solver/mismatch_points.h"
+
+namespace morphodesic {
+
+namespace {
+
+// Levels between the grid of the path and that of the moves. Moves are smooth; a rough move of a rim would not leave
+// the mismatch as it is. (Measured: 1, 2 and 3 take about the same number of iterations.)
+constexpr int coarser_by = 2;
+// The modes of time are not quite independent where only one frame resists; twice the stiffness keeps steps full.
+constexpr double rest_factor = 2.0;
+// Share of the stiffness inside that the background gets here. With its own, next to nothing, points of it would move
+// by many cells at once, and line searches fail.
+constexpr double background = 0.2;
+// The corrections overlap with those of phi_k and u_k one by one.
+constexpr double move_share = 0.5, level_share = 0.3;
+template <class Body>
+void for_frames(int begin, int end, const Body& body) {
+    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
+}
+}  // namespace
+
+template <int Dim>
+TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
+    : layout_(layout), coarse_(std::max(3, layout.grid.level() - coarser_by)), trajectories_(layout, coarse_) {
+    const auto steps = static_cast<std::size_t>(layout.time_steps);
+    level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
+    buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
+    modes_.assign(steps - 1, VCycle<Dim>(coarse_));
+    std::array<std::vector<double>, Dim> field;
+    for (auto& c : field) c.resize(coarse_.node_count());
+    right_side_.assign(steps - 1, field);
+    solution_.assign(steps - 1, field);
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x,
+                                      const std::vector<std::vector<float>>& weights,
+                                      const std::vector<std::vector<float>>& inverse_u) {
+    trajectories_.update(energy, x);
+    for (std::size_t k = 0; k < inverse_u.size(); ++k) {
+        // PathPreconditioner takes u_k for twice as stiff as the mismatch makes it.
+        for (std::size_t i = 0; i < layout_.nodes(); ++i) level_unit_[k][i] = std::sqrt(2.0F * inverse_u[k][i]);
+    }
+    build_operators(energy, x, weights);
+    trajectories_.finish();
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, std::span<const double> x,
+                                               const std::vector<std::vector<float>>& weights) {
+    constexpr std::size_t entries = kernels::symmetric_entries<Dim>;
+    const auto& grid = layout_.grid;
+    const auto corners = q1::corner_offsets(grid), coarse_corners = q1::corner_offsets(coarse_);
+    const std::size_t coarse_nodes = coarse_.node_count();
+    const int steps = layout_.time_steps;
+    const double unit = 2.0 * energy.eta() * std::pow(grid.spacing(), Dim) / (1 << Dim);
+    // Per frame: what comes from its nodes and quadrature points.
+    struct Sums {
+        std::vector<float> weight, share;
+        typename VCycle<Dim>::Mass rest;
+    };
+    std::vector<Sums> sums(static_cast<std::size_t>(steps));
+    for_frames(0, steps, [&](int k) {
+        Sums& sum = sums[static_cast<std::size_t>(k)];
+        const auto& frame = trajectories_.frame(k);
+        sum.weight.assign(coarse_nodes, 0.0F);
+        sum.share.assign(coarse_nodes, 0.0F);
+        for (auto& m : sum.rest) m.assign(coarse_nodes, 0.0F);
+        for (std::size_t i = 0; i < layout_.nodes(); ++i) {
+            std::array<float, Dim> fraction;
+            for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
+            const auto s = corner_shares<Dim>(fraction);
+            for (std::size_t c = 0; c < (1 << Dim); ++c) {
+                sum.weight[frame.cell[i] + coarse_corners[c]] += s[c] * weights[static_cast<std::size_t>(k)][i];
+                sum.share[frame.cell[i] + coarse_corners[c]] += s[c];
+            }
+        }
+        // The covector e at a place of frame `of`, taken to frame 0 by the map of that frame.
+        const auto add_rest = [&](int of, std::size_t node, const Point<Dim>& fraction, const double(&e)[Dim]) {
+            const auto until = trajectories_.jacobian_at(of, node, fraction);
+            const auto origin = trajectories_.origin_at(of, node, fraction);
+            float taken[Dim];
+            for (int c = 0; c < Dim; ++c) {
+                taken[c] = 0.0F;
+                for (int r = 0; r < Dim; ++r) taken[c] += static_cast<float>(e[r]) * until(r, c);
+            }
+            const auto there = place_of<Dim>(coarse_, origin);
+            const auto s = corner_shares<Dim>(there.fraction);
+            for (std::size_t c = 0; c < (1 << Dim); ++c) {
+                for (int r = 0; r < Dim; ++r) {
+                    for (int t = r; t < Dim; ++t) {
+                        sum.rest[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, t))]
+                                [there.node + coarse_corners[c]] +=
+                            static_cast<float>(2.0 * unit) * s[c] * taken[r] * taken[t];
+                    }
+                }
+            }
+        };
+        DisplacementView<Dim> w;
+        for (int a = 0; a < Dim; ++a) {
+            w[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(k + 1, a);
+        }
+        const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node, const Point<Dim>& fraction, double(&value)[Dim]) {
+            for (std::size_t a = 0; a < Dim; ++a) {
+                value[a] = 0.0;
+                for (int c = 0; c < (1 << Dim); ++c) {
+                    value[a] += q1::shape<Dim>(c, fraction) *
+                                static_cast<double>(field[a][node + corners[static_cast<std::size_t>(c)]]);
+                }
+            }
+        };
+        for_each_mismatch_point<Dim>(
+            grid, energy.level_set(x, k), energy.level_set(x, k + 1), w, energy.eps(),
+            [&](const MismatchPoint<Dim>& p) {
+                double g[Dim], e[Dim];
+                if (k + 1 < steps) {  // frame k + 1 moves: u_{k+1} is carried by its gradient at the nodes
+                    at(trajectories_.frame(k + 1).gradient, p.target.node, p.target.fraction, g);
+                    for (int a = 0; a < Dim; ++a) e[a] = p.there * (p.slope[a] - g[a]);
+                    add_rest(k + 1, p.target.node, p.target.fraction, e);
+                }
+                if (k > 0) {  // frame k moves: u_k is carried, and phi_{k+1} starts from elsewhere
+                    at(frame.gradient, p.node, p.fraction, g);
+                    for (int b = 0; b < Dim; ++b) {
+                        e[b] = p.here * g[b] - p.there * p.slope[b];
+                        for (int a = 0; a < Dim; ++a) {
+                            double d = 0.0;
+                            for (int c = 0; c < (1 << Dim); ++c) {
+                                d += q1::shape_slope<Dim>(c, p.fraction, b) * p.displacement[a][c];
+                            }
+                            e[b] -= p.there * p.slope[a] * d * grid.cells_per_axis();
+                        }
+                    }
+                    add_rest(k, p.node, p.fraction, e);
+                }
+            });
+    });
+
+    std::vector<float> weight(coarse_nodes, 0.0F), share(coarse_nodes, 0.0F);
+    typename VCycle<Dim>::Mass rest;
+    for (auto& m : rest) m.assign(coarse_nodes, 0.0F);
+    for (const Sums& sum : sums) {
+        for (std::size_t i = 0; i < coarse_nodes; ++i) {
+            weight[i] += sum.weight[i];
+            share[i] += sum.share[i];
+            for (std::size_t e = 0; e < entries; ++e) rest[e][i] += sum.rest[e][i] / static_cast<float>(steps - 1);
+        }
+    }
+    const auto floor =
+        static_cast<float>(background * 2.0 * steps * (energy.options().mu + 0.25 * energy.options().lambda));
+    for (std::size_t i = 0; i < coarse_nodes; ++i) {  // frame 0 reaches every node: no share is 0
+        weight[i] = std::max(floor, weight[i] / share[i]);
+    }
+    for_frames(1, steps, [&](int m) {
+        const double s = std::sin(std::numbers::pi * m / (2 * steps));
+        auto scaled = rest;
+        for (auto& entry : scaled) {
+            for (float& v : entry) v *= static_cast<float>(rest_factor / (4.0 * s * s));
+        }
+        modes_[static_cast<std::size_t>(m - 1)].set_operator(weight, scaled);
+    });
+}
+
+/// Transposed maps of frame k: its gradients, summed at the coarse nodes.
+template <int Dim>
+void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
+    const auto corners = q1::corner_offsets(coarse_);
+    const auto& frame = trajectories_.frame(k);
+    auto& buffer = buffers_[static_cast<std::size_t>(k)];
+    std::fill(buffer.begin(), buffer.end(), 0.0F);
+    const double* g[Dim];
+    for (int a = 0; a < Dim; ++a) g[a] = gradient.data() + layout_.displacement(k + 1, a);
+    const double* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
+    const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
+    for (std::size_t i = 0; i < layout_.nodes(); ++i) {
+        std::array<float, width> value{};
+        for (std::size_t r = 0; r < Dim; ++r) {
+            const auto from = static_cast<float>(g[r][i]);
+            for (std::size_t c = 0; c < Dim; ++c) value[c] += frame.a[r * Dim + c][i] * from;
+        }
+        if (k > 0) {
+            const auto from = static_cast<float>(gu[i]);
+            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * from;
+            value[2 * Dim] = d[i] * from;
+        }
+        std::array<float, Dim> fraction;
+        for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
+        const auto s = corner_shares<Dim>(fraction);
+        for (std::size_t c = 0; c < (1 << Dim); ++c) {
+            float* out = buffer.data() + (frame.cell[i] + corners[c]) * width;
+            for (std::size_t f = 0; f < width; ++f) out[f] += s[c] * value[f];
+        }
+    }
+}
+
+/// Gradients in v_k, z_k, y_k in the buffers -> corrections v_k, z_k, y_k.
+template <int Dim>
+void TransportCorrection<Dim>::solve() {
+    const int steps = layout_.time_steps;
+    const auto count = static_cast<std::size_t>(steps);
+    std::vector<float> basis((count - 1) * count);  // orthonormal, [m][k]
+    for (int m = 1; m < steps; ++m) {
+        for (int k = 0; k < steps; ++k) {
+            basis[static_cast<std::size_t>((m - 1) * steps + k)] =
+                static_cast<float>(std::sqrt(2.0 / steps) * std::cos(std::numbers::pi * m * (k + 0.5) / steps));
+        }
+    }
+    // A coarse node stands for so many of the nodes where levels are curved.
+    const double nodes_per_coarse = std::pow(2.0, Dim * (layout_.grid.level() - coarse_.level()));
+    const auto level_scale = static_cast<float>(2.0 * level_share / (steps * nodes_per_coarse));
+    for_nodes(coarse_, [&](std::size_t i) {
+        bool boundary = false;
+        for (const int c : coarse_.node(i)) boundary = boundary || c == 0 || c == coarse_.cells_per_axis();
+        // z_k = v_1 + .. + v_k: the gradient in v_j collects those in z_k, k >= j.
+        float tail[Dim] = {};
+        for (std::size_t c = 0; c < Dim; ++c) {
+            for (std::size_t m = 0; m + 1 < count; ++m) right_side_[m][c][i] = 0.0;
+        }
+        for (std::size_t k = count; k-- > 0 && !boundary;) {  // v_{k+1} is in frame k
+            const float* in = buffers_[k].data() + i * width;
+            for (std::size_t c = 0; c < Dim; ++c) {
+                const float value = in[c] + tail[c];
+                for (std::size_t m = 0; m + 1 < count; ++m) {
+                    right_side_[m][c][i] += static_cast<double>(basis[m * count + k] * value);
+                }
+                tail[c] += in[Dim + c];
+            }
+        }
+        // The chain: inverse of tridiag(-1/2, 1, -1/2) with K - 1 rows, 2 / K min(j, k) (K - max(j, k)), by running
+        // sums.
+        float before = 0.0F, behind = 0.0F;
+        for (std::size_t k = 1; k < count; ++k) {
+            behind += static_cast<float>(count - k) * buffers_[k][i * width + 2 * Dim];
+        }
+        for (std::size_t k = 1; k < count; ++k) {
+            float& y = buffers_[k][i * width + 2 * Dim];
+            behind -= static_cast<float>(count - k) * y;
+            before += static_cast<float>(k) * y;
+            y = level_scale * (static_cast<float>(count - k) * before + static_cast<float>(k) * behind);
+        }
+    });
+    for_frames(0, steps - 1, [&](int m) {
+        std::array<const double*, Dim> in;
+        std::array<double*, Dim> out;
+        for (std::size_t c = 0; c < Dim; ++c) {
+            in[c] = right_side_[static_cast<std::size_t>(m)][c].data();
+            out[c] = solution_[static_cast<std::size_t>(m)][c].data();
+        }
+        modes_[static_cast<std::size_t>(m)].apply(in, out);
+    });
+    for_nodes(coarse_, [&](std::size_t i) {
+        float z[Dim] = {};
+        for (std::size_t k = 0; k < count; ++k) {
+            float* out = buffers_[k].data() + i * width;
+            for (std::size_t c = 0; c < Dim; ++c) {
+                float v = 0.0F;
+                for (std::size_t m = 0; m + 1 < count; ++m) {
+                    v += basis[m * count + k] * static_cast<float>(solution_[m][c][i]);
+                }
+                v *= static_cast<float>(move_share);
+                out[c] = v;
+                out[Dim + c] = z[c];
+                z[c] += v;
+            }
+        }
+    });
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
+    const auto corners = q1::corner_offsets(coarse_);
+    const auto& frame = trajectories_.frame(k);
+    const auto& buffer = buffers_[static_cast<std::size_t>(k)];
+    double* to[Dim];
+    for (int a = 0; a < Dim; ++a) to[a] = direction.data() + layout_.displacement(k + 1, a);
+    double* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
+    const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
+    for (std::size_t i = 0; i < layout_.nodes(); ++i) {
+        std::array<float, Dim> fraction;
+        for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
+        const auto s = corner_shares<Dim>(fraction);
+        std::array<float, width> value{};
+        for (std::size_t c = 0; c < (1 << Dim); ++c) {
+            const float* in = buffer.data() + (frame.cell[i] + corners[c]) * width;
+            for (std::size_t f = 0; f < width; ++f) value[f] += s[c] * in[f];
+        }
+        for (std::size_t r = 0; r < Dim; ++r) {
+            float sum = 0.0F;
+            for (std::size_t c = 0; c < Dim; ++c) sum += frame.a[r * Dim + c][i] * value[c];
+            to[r][i] += static_cast<double>(sum);
+        }
+        if (k == 0) continue;
+        float change = d[i] * value[2 * Dim];
+        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * value[Dim + c];
+        to_u[i] += static_cast<double>(change);
+    }
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::add(std::span<const double> gradient, std::span<double> direction) {
+    for_frames(0, layout_.time_steps, [&](int k) { push(k, gradient); });
+    solve();
+    for_frames(0, layout_.time_steps, [&](int k) { pull(k, direction); });
+}
+
+template class TransportCorrection<2>;
+template class TransportCorrection<3>;
+
+}  // namespace morphodesic
