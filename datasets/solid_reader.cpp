@@ -103,6 +103,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     SolidifyOptions solidify;
     solidify.close_gaps = options.close_gaps;
     solidify.speck_fraction = options.speck_fraction;
+    solidify.smooth_noise = options.noise == "smooth";
     MeshFile file;
     bool is_level = false;  // bounded by a level of a volume
     if (is_point_cloud(source.path)) {
