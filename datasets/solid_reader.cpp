@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string_view>
 
@@ -151,6 +152,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
         raw.frame_low = box.low - 0.2 * box.side();
         raw.frame_high = box.high + 0.2 * box.side();
     }
+    raw.bytes = sizeof(Vector3) * solid.mesh.points.size() + sizeof(std::array<int, 3>) * solid.mesh.triangles.size();
     raw.geometry = std::make_shared<SolidGeometry>(std::move(solid.mesh), std::move(invented));
     return raw;
 }
