@@ -18,6 +18,7 @@ std::vector<std::string> ImportOptions::problems() const {
          occluder.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)) {
         result.push_back("occluder must be alpha or a colour like #808080, not \"" + occluder + "\"");
     }
+    if (noise != "smooth" && noise != "keep") result.push_back("noise must be smooth or keep, not \"" + noise + "\"");
     if (border != "free" && border != "hides") result.push_back("border must be free or hides, not \"" + border + "\"");
     if (!(close_gaps >= 0.0 && std::isfinite(close_gaps))) result.push_back("close-gaps must not be negative");
     if (!(max_megabytes > 0.0 && std::isfinite(max_megabytes))) result.push_back("max-megabytes must be positive");

@@ -12,10 +12,11 @@ struct ImportOptions {
         0.002;                     ///< components and holes below this share of the shape's area are removed, in [0, 1)
     double max_megapixels = 64.0;  ///< images with more pixels are refused before memory is asked for, > 0
     std::string occluder;  ///< colour "#rrggbb" of what hides the object, or alpha: transparent is hidden; or empty
-    std::string border = "free";  ///< free | hides: what is beyond a border that cuts the shape off counts as hidden
-    double close_gaps = 0.6;      ///< widest hole of a surface that is closed, as a share of the object's size; from 1
-                                  ///< on also scans of one side are closed, >= 0
-    std::string mirror;           ///< solids to be mirrored: file names or patterns with *, separated by commas
+    std::string border = "free";   ///< free | hides: what is beyond a border that cuts the shape off counts as hidden
+    double close_gaps = 0.6;       ///< widest hole of a surface that is closed, as a share of the object's size; from 1
+                                   ///< on also scans of one side are closed, >= 0
+    std::string noise = "smooth";  ///< smooth | keep: what is done with the noise of scanned surfaces
+    std::string mirror;            ///< solids to be mirrored: file names or patterns with *, separated by commas
     std::string isovalue =
         "auto";  ///< value at the surface of a volume, inside above; auto: 0 of a level set, else 0.5
     double max_megabytes = 1000.0;  ///< larger meshes, point clouds and volumes are refused, > 0
@@ -30,6 +31,7 @@ struct ImportOptions {
               "hides: a shape that touches the border goes on unseen beyond it; free: it ends there");
         visit("close-gaps", self.close_gaps,
               "widest hole of a surface that is closed, as a share of the object's size");
+        visit("noise", self.noise, "noise of scanned surfaces: smooth (only what is noise, not detail) or keep");
         visit("mirror", self.mirror, "solids to be mirrored: names or patterns with *, separated by commas");
         visit("isovalue", self.isovalue, "value at the surface of a volume; inside is above it");
         visit("max-megabytes", self.max_megabytes, "refuse solids whose files are larger than this many megabytes");

@@ -16,18 +16,52 @@ namespace {
 constexpr std::size_t most_neighbours = 400;  // more do not make a fit better
 constexpr double widest = 0.07;               // neighbourhood, of the diagonal of the bounding box
 constexpr double growth = 1.35;               // from one neighbourhood to the next
+constexpr int normal_rounds = 3;              // of averaging normals: noise turns single ones by half a right angle
+constexpr double same_side = 0.65;            // cosine between normals of points that a quadric may join
+constexpr double excess = 4.0;  // deviations by which residuals may exceed the noise: one stops most of the growth
 
+void normalise(std::vector<Vector3>& vectors) {
+    for (auto& v : vectors) {
+        const double length = norm(v);
+        if (length > 0) v = (1.0 / length) * v;
+    }
+}
+
+/// Unit normals at the points, averaged along the surface so that noise does not turn them.
 std::vector<Vector3> point_normals(const TriangleMesh& mesh) {
     std::vector<Vector3> normals(mesh.points.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Vector3 n = area_vector(mesh.corners(t));
         for (const int c : mesh.triangles[t]) normals[c] = normals[c] + n;
     }
-    for (auto& n : normals) {
-        const double length = norm(n);
-        if (length > 0) n = (1.0 / length) * n;
+    normalise(normals);
+    for (int round = 0; round < normal_rounds; ++round) {
+        std::vector<Vector3> sums = normals;
+        for (const auto& t : mesh.triangles) {
+            const Vector3 sum = normals[t[0]] + normals[t[1]] + normals[t[2]];
+            for (const int c : t) sums[c] = sums[c] + sum - normals[c];
+        }
+        normalise(sums);
+        normals = std::move(sums);
     }
     return normals;
+}
+
+/// Points that share an edge with each point, ascending.
+std::vector<std::vector<int>> neighbours_of(const TriangleMesh& mesh) {
+    std::vector<std::vector<int>> neighbours(mesh.points.size());
+    for (const auto& t : mesh.triangles) {
+        for (int c = 0; c < 3; ++c) {
+            const int a = t[c], b = t[(c + 1) % 3];
+            neighbours[a].push_back(b);
+            neighbours[b].push_back(a);
+        }
+    }
+    for (auto& list : neighbours) {
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    return neighbours;
 }
 
 /// Some of the points of a mesh, sorted into boxes.
@@ -110,7 +144,7 @@ std::optional<Fit> fit(const std::vector<Vector3>& points, const std::vector<Vec
     members.clear();
     Vector3 n{};
     near.for_each(x, [&](int i) {
-        if (dot(normals[i], normals[point]) > 0.2) members.push_back(i), n = n + normals[i];
+        if (dot(normals[i], normals[point]) > same_side) members.push_back(i), n = n + normals[i];
     });
     const double length = norm(n);
     if (members.size() < 12 || !(length > 0)) return std::nullopt;
@@ -126,7 +160,7 @@ std::optional<Fit> fit(const std::vector<Vector3>& points, const std::vector<Vec
     Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
     double weights = 0.0, squares = 0.0, heights2 = 0.0;
     for (const int i : members) {
-        if (dot(normals[i], n) < 0.2) continue;  // the far side of a thin part
+        if (dot(normals[i], n) < same_side) continue;  // beyond an edge, or the far side of a thin part
         const Vector3 r = (1.0 / radius) * (points[i] - x);
         const double w = 1.0 - dot(r, r), a = dot(r, u), b = dot(r, v), z = dot(r, n);
         Eigen::Matrix<double, 6, 1> row;
@@ -179,6 +213,35 @@ double roughness(const TriangleMesh& mesh) {
     return *middle;
 }
 
+double bump_correlation(const TriangleMesh& mesh) {
+    const std::vector<Vector3> normals = point_normals(mesh);
+    const std::vector<std::vector<int>> neighbours = neighbours_of(mesh);
+    std::vector<double> bump(mesh.points.size(), 0.0), sizes;
+    for (std::size_t i = 0; i < bump.size(); ++i) {
+        if (neighbours[i].empty()) continue;
+        Vector3 sum{};
+        for (const int j : neighbours[i]) sum = sum + mesh.points[j];
+        bump[i] = dot(normals[i], mesh.points[i] - (1.0 / static_cast<double>(neighbours[i].size())) * sum);
+        sizes.push_back(std::abs(bump[i]));
+    }
+    if (sizes.empty()) return 1.0;
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double largest = 4.0 * *middle;  // what stands out more, as edges do, counts no more than this
+    double products = 0.0, squares = 0.0;
+    std::size_t pairs = 0, points = 0;
+    for (std::size_t i = 0; i < bump.size(); ++i) {
+        if (neighbours[i].empty()) continue;
+        const double own = std::clamp(bump[i], -largest, largest);
+        for (const int j : neighbours[i]) products += own * std::clamp(bump[j], -largest, largest);
+        pairs += neighbours[i].size();
+        squares += own * own;
+        ++points;
+    }
+    if (!(squares > 0.0)) return 1.0;
+    return products / static_cast<double>(pairs) / (squares / static_cast<double>(points));
+}
+
 void smooth_noise(TriangleMesh& mesh, double noise) {
     const std::vector<Vector3> normals = point_normals(mesh);
     const std::size_t count = mesh.points.size();
@@ -206,7 +269,7 @@ void smooth_noise(TriangleMesh& mesh, double noise) {
             if (!f) return;  // too few neighbours yet
             const double deviation = noise * f->spread;
             const double low = std::max(e.low, f->c[0] - deviation), high = std::min(e.high, f->c[0] + deviation);
-            const bool fits = f->residual <= noise * (1.0 + 1.0 / std::sqrt(2.0 * (f->count - 6.0)));
+            const bool fits = f->residual <= noise * (1.0 + excess / std::sqrt(2.0 * (f->count - 6.0)));
             if (e.size >= 0 && (low > high || !fits)) {
                 e.is_final = true;
                 return;
@@ -260,21 +323,9 @@ void smooth_noise(TriangleMesh& mesh, double noise) {
 void fair(TriangleMesh& mesh, const std::vector<char>& is_free) {
     // Second differences along the surface: of each point that is free or next to a free one, from the mean of its
     // neighbours. Their squares are minimised over the free points.
-    std::vector<std::vector<int>> neighbours(mesh.points.size());
-    for (const auto& t : mesh.triangles) {
-        for (int c = 0; c < 3; ++c) {
-            const int a = t[c], b = t[(c + 1) % 3];
-            neighbours[a].push_back(b);
-            neighbours[b].push_back(a);
-        }
-    }
+    const std::vector<std::vector<int>> neighbours = neighbours_of(mesh);
     std::vector<int> unknown(mesh.points.size(), -1);
     int count = 0;
-    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-        auto& list = neighbours[i];
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
     // Free points that hang together with held ones; others have nothing that says where they belong.
     std::vector<int> queue;
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {

@@ -12,6 +12,13 @@ namespace morphodesic::datasets {
 /// @param mesh  oriented so that neighbours agree
 double roughness(const TriangleMesh& mesh);
 
+/// Tells noise from detail: how alike neighbouring points stand out from the mean of their own neighbours. Detail that
+/// the mesh resolves changes little from one point to the next (0.6 to 1 on clean meshes, also coarse ones, 0.4 on a
+/// rough scan from photographs); noise does not hang together (0.1 down to -0.24, the value for independent errors of
+/// points with six neighbours).
+/// @return  correlation over all edges, in [-1, 1]; 1 if nothing stands out
+double bump_correlation(const TriangleMesh& mesh);
+
 /// Moves each point along its normal onto the quadric that fits its neighbourhood. The neighbourhood of each point
 /// grows as long as the quadric fits within the noise, so that flat parts are smoothed far and small features are kept.
 /// Bits do not depend on the number of threads.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,7 @@ struct RawShape {
     int components = 0;          ///< pieces that the object has; 0: not counted
     Point<Dim> frame_low{};      ///< corner of what --normalize none maps to the unit cube: the image, the bounding box
     Point<Dim> frame_high{};     ///< the opposite corner
+    std::size_t bytes = 0;       ///< memory of a solid's geometry; 0: not counted
     std::vector<std::string> notes;  ///< what was done to the input and a user should know, one sentence each
 };
 

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string_view>
 
@@ -103,6 +104,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     SolidifyOptions solidify;
     solidify.close_gaps = options.close_gaps;
     solidify.speck_fraction = options.speck_fraction;
+    solidify.smooth_noise = options.noise == "smooth";
     MeshFile file;
     bool is_level = false;  // bounded by a level of a volume
     if (is_point_cloud(source.path)) {
@@ -150,6 +152,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
         raw.frame_low = box.low - 0.2 * box.side();
         raw.frame_high = box.high + 0.2 * box.side();
     }
+    raw.bytes = sizeof(Vector3) * solid.mesh.points.size() + sizeof(std::array<int, 3>) * solid.mesh.triangles.size();
     raw.geometry = std::make_shared<SolidGeometry>(std::move(solid.mesh), std::move(invented));
     return raw;
 }

@@ -19,8 +19,8 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double rough = 3.3e-3;  // of the diagonal: noise from which on a surface is smoothed; the detail of coarse
-                                  // meshes that are clean looks like up to 3e-3
+constexpr double rough = 3e-4;             // of the diagonal: less noise moves no distance by a measurable amount
+constexpr double most_correlated = 0.25;   // of bumps about half of whose variance is noise
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 
 std::string number(double value, const char* format = "%.3g") {
@@ -62,10 +62,11 @@ void refuse_flat(const std::vector<Vector3>& points, const std::filesystem::path
     }
 }
 
-/// Smooths a noisy surface.
-void smooth_if_rough(TriangleMesh& mesh, double size, std::vector<std::string>& notes) {
+/// Smooths a surface if its roughness is noise rather than detail.
+void smooth_if_noisy(TriangleMesh& mesh, double size, const SolidifyOptions& options, std::vector<std::string>& notes) {
+    if (!options.smooth_noise) return;
     const double noise = roughness(mesh);
-    if (noise < rough * size) return;
+    if (noise < rough * size || bump_correlation(mesh) > most_correlated) return;
     smooth_noise(mesh, noise);
     notes.push_back("The surface is rough (noise of " + number(100.0 * noise / size, "%.2f") +
                     " % of the object's size) and was smoothed.");
@@ -81,6 +82,20 @@ struct Piece {
     Vector3 centre, normal;
     double area;
 };
+/// Moves the points of a surface rebuilt on a grid onto the triangles it was rebuilt from, where they are near: on the
+/// grid they lie inside of what is bent outward.
+/// @return  which points lie off the triangles [points]
+std::vector<char> pull_to_surface(TriangleMesh& rebuilt, const TriangleTree& surface, double spacing) {
+    const double off = 0.15 * spacing;
+    std::vector<char> is_off(rebuilt.points.size(), 0);
+    tbb::parallel_for(std::size_t{0}, is_off.size(), [&](std::size_t i) {
+        const auto nearest = surface.nearest(rebuilt.points[i], off);
+        is_off[i] = nearest.distance >= off ? 1 : 0;
+        rebuilt.points[i] = nearest.point;
+    });
+    return is_off;
+}
+
 /// About so many pieces, evenly spread over the triangles.
 std::vector<Piece> pieces_of(const TriangleMesh& mesh, std::size_t wanted) {
     std::vector<Piece> result;
@@ -221,7 +236,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     const Lattice lattice = lattice_around(box, h, 0.0);
 
     if (state.closed()) {
-        smooth_if_rough(mesh, box.diagonal(), notes);
+        smooth_if_noisy(mesh, box.diagonal(), options, notes);
         auto winding = winding_numbers(mesh, lattice);
         const auto [low, high] = std::minmax_element(winding.begin(), winding.end());
         if (*low >= 0 && *high == 1) return finished_solid(std::move(mesh), file, options, std::move(notes));
@@ -243,7 +258,9 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
                 std::vector<float> values = distance_to_triangles(mesh, lattice, 3.0);
                 for (std::size_t i = 0; i < values.size(); ++i) values[i] = winding[i] > 0 ? values[i] : -values[i];
                 notes.push_back("The surface passes through itself; its overlapping parts were united.");
-                return finished_solid(isosurface(lattice, values), file, options, std::move(notes));
+                TriangleMesh united = isosurface(lattice, values);
+                pull_to_surface(united, surface, h);
+                return finished_solid(std::move(united), file, options, std::move(notes));
             }
         }
         // Closed but thinner than a cell everywhere: the winding number found no node inside.
@@ -255,7 +272,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
-    smooth_if_rough(mesh, box.diagonal(), notes);
+    smooth_if_noisy(mesh, box.diagonal(), options, notes);
     std::string kind = "The surface is open (" + count(state.boundary_edges, "boundary edge") + ")";
     if (state.crowded_edges > 0)
         kind += " and has " + count(state.crowded_edges, "edge") + " of three or more triangles";
@@ -272,9 +289,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     };
     judge_new_surface(new_surface(rebuilt, is_new), box.diagonal(), file, options, notes);
     // What closes a hole goes on from its rim without an edge. Away from holes the rebuilt points lie on the triangles.
-    std::vector<char> is_new_point(rebuilt.points.size());
-    tbb::parallel_for(std::size_t{0}, is_new_point.size(),
-                      [&](std::size_t i) { is_new_point[i] = tree.nearest(rebuilt.points[i], h).distance > 0.15 * h; });
+    const std::vector<char> is_new_point = pull_to_surface(rebuilt, tree, h);
     fair(rebuilt, is_new_point);
     return finished_solid(std::move(rebuilt), file, options, std::move(notes));
 }

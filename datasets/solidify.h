@@ -13,6 +13,7 @@ struct SolidifyOptions {
     double close_gaps = 0.6;        ///< widest hole that is closed, as a share of the diagonal of the bounding box;
                                     ///< from 1 on also one-sided scans are closed, >= 0
     double speck_fraction = 0.002;  ///< parts and cavities below this share of the volume are removed, in [0, 1)
+    bool smooth_noise = true;       ///< surfaces with noise are smoothed
     int cells = 144;                ///< along the longest side of the box in which damaged surfaces are rebuilt, >= 16
 };
 
@@ -30,7 +31,7 @@ struct Solid {
 /// in orientation, then each patch turned so that its front sees more of the open air (Takayama et al. 2014); the
 /// inside is where the generalised winding number exceeds 1/2. United and closed surfaces are rebuilt on a grid of
 /// options.cells cells, and what closes a hole is bent like a thin plate held by its rim. Surfaces with noise above
-/// 0.33 % of the object's size are smoothed before.
+/// 0.03 % of the object's size are smoothed before: noise is roughness that does not hang together from point to point.
 /// @param file  for messages
 /// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});

@@ -30,28 +30,27 @@ double box_distance2(const Vector3& x, const Vector3& low, const Vector3& high) 
     return sum;
 }
 
-/// Squared distance of a point to a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-double triangle_distance2(const Vector3& x, const std::array<Vector3, 3>& c) {
+/// Point of a triangle nearest to x (Ericson, Real-Time Collision Detection, 5.1.5).
+Vector3 nearest_on_triangle(const Vector3& x, const std::array<Vector3, 3>& c) {
     const Vector3 ab = c[1] - c[0], ac = c[2] - c[0], ax = x - c[0];
     const double d1 = dot(ab, ax), d2 = dot(ac, ax);
-    const auto to = [&](const Vector3& p) { return dot(x - p, x - p); };
-    if (d1 <= 0 && d2 <= 0) return to(c[0]);
+    if (d1 <= 0 && d2 <= 0) return c[0];
     const Vector3 bx = x - c[1];
     const double d3 = dot(ab, bx), d4 = dot(ac, bx);
-    if (d3 >= 0 && d4 <= d3) return to(c[1]);
+    if (d3 >= 0 && d4 <= d3) return c[1];
     const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return to(c[0] + (d1 / (d1 - d3)) * ab);
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return c[0] + (d1 / (d1 - d3)) * ab;
     const Vector3 cx = x - c[2];
     const double d5 = dot(ab, cx), d6 = dot(ac, cx);
-    if (d6 >= 0 && d5 <= d6) return to(c[2]);
+    if (d6 >= 0 && d5 <= d6) return c[2];
     const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return to(c[0] + (d2 / (d2 - d6)) * ac);
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return c[0] + (d2 / (d2 - d6)) * ac;
     const double va = d3 * d6 - d5 * d4;
     if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        return to(c[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c[2] - c[1]));
+        return c[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c[2] - c[1]);
     }
     const double sum = va + vb + vc;
-    return to(c[0] + (vb / sum) * ab + (vc / sum) * ac);
+    return c[0] + (vb / sum) * ab + (vc / sum) * ac;
 }
 
 }  // namespace
@@ -205,14 +204,16 @@ TriangleTree::Nearest TriangleTree::nearest(const Vector3& x, double bound) cons
     int top = 0;
     stack[top++] = {0, box_distance2(x, nodes_[0].low, nodes_[0].high)};
     int found = -1;
+    Vector3 point{};
     while (top > 0) {
         const Entry entry = stack[--top];
         if (entry.distance2 >= best2) continue;
         const Node& node = nodes_[entry.node];
         if (node.child < 0) {
             for (int t = node.first; t < node.last; ++t) {
-                const double d2 = triangle_distance2(x, triangles_[t]);
-                if (d2 < best2) best2 = d2, found = t;
+                const Vector3 p = nearest_on_triangle(x, triangles_[t]);
+                const double d2 = dot(x - p, x - p);
+                if (d2 < best2) best2 = d2, found = t, point = p;
             }
             continue;
         }
@@ -222,7 +223,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vector3& x, double bound) cons
         stack[top++] = far;
         stack[top++] = near;
     }
-    return found < 0 ? Nearest{bound, {}} : Nearest{std::sqrt(best2), 2.0 * dipoles_[found]};
+    return found < 0 ? Nearest{bound, {}, x} : Nearest{std::sqrt(best2), 2.0 * dipoles_[found], point};
 }
 
 }  // namespace morphodesic::datasets

@@ -24,6 +24,7 @@ public:
     struct Nearest {
         double distance;      ///< bound if no triangle is nearer
         Vector3 area_vector;  ///< of the nearest triangle: normal times twice its area; zero if there is none
+        Vector3 point;        ///< of that triangle; x if there is none
     };
     /// The nearest triangle within a bound.
     [[nodiscard]] Nearest nearest(const Vector3& x, double bound) const;

@@ -3,10 +3,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cstdio>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "pipeline/digest.h"
 #include "pipeline/stop_signals.h"
@@ -106,10 +108,18 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.placing.clear();
 }
 
+constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // some sixty scans rebuilt on a grid
+
+/// @param kept_bytes  of the solids that were kept so far
 template <int Dim>
-void measure(CollectionEntry& entry, const datasets::ImportOptions& options) {
+void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std::atomic<std::size_t>& kept_bytes) {
     try {
-        entry.row.extent_radius = datasets::read_shape<Dim>(entry.source, options).extent_radius;
+        datasets::RawShape<Dim> raw = datasets::read_shape<Dim>(entry.source, options);
+        entry.row.extent_radius = raw.extent_radius;
+        if constexpr (Dim == 3) {
+            if (kept_bytes.fetch_add(raw.bytes) + raw.bytes > most_kept_bytes) return;
+            entry.measured = std::make_shared<std::optional<datasets::RawShape<3>>>(std::move(raw));
+        }
     } catch (const datasets::ReadError& error) {
         entry.row.problem = error.what();
     } catch (const std::bad_alloc&) {
@@ -182,6 +192,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
 
     if (!collection.entries.empty())
         progress.message(std::to_string(collection.entries.size()) + " shapes in " + folder.string());
+    std::atomic<std::size_t> kept_bytes{0};
     tbb::parallel_for(std::size_t{0}, collection.entries.size(), [&](std::size_t i) {
         if (StopSignals::caught() != 0) return;
         CollectionEntry& entry = collection.entries[i];
@@ -189,7 +200,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         look_at_file(entry, found == known.end() ? nullptr : &found->second, settings.import);
         const bool common = settings.normalize == "common";
         if (!common || !entry.row.problem.empty() || entry.row.extent_radius > 0) return;
-        with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import); });
+        with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import, kept_bytes); });
     });
     if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
     std::string warning;
@@ -240,6 +251,21 @@ void round_as_stored(std::vector<double>& values) {
     for (double& x : values) x = static_cast<double>(static_cast<float>(x));
 }
 
+namespace {
+
+/// The shape of an entry before it is placed: as it was measured, or read anew.
+template <int Dim>
+datasets::RawShape<Dim> raw_shape(const CollectionEntry& entry, const datasets::ImportOptions& options) {
+    if constexpr (Dim == 3) {
+        if (entry.measured) {
+            if (auto raw = std::exchange(*entry.measured, std::nullopt)) return std::move(*raw);
+        }
+    }
+    return datasets::read_shape<Dim>(entry.source, options);
+}
+
+}  // namespace
+
 template <int Dim>
 ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index, const ResultStore& store) {
     const CollectionEntry& entry = collection.entries[index];
@@ -267,7 +293,7 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         }
     }
     try {
-        datasets::Shape<Dim> shape = datasets::import_shape<Dim>(entry.source, collection.import, collection.placement);
+        datasets::Shape<Dim> shape = normalize(raw_shape<Dim>(entry, collection.import), collection.placement);
         if (datasets::file_digest(entry.source.path) != entry.row.file_digest) {
             throw datasets::ReadError(entry.source.path, "the file changed while the study was reading it",
                                       "give the same command again");

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct CollectionEntry {
     datasets::ShapeSource source;  ///< empty path: the study is used without its folder
     StoredShape row;               ///< its problem is set if the file cannot be used
     bool needs_import = false;     ///< the store has no level set for these settings
+    /// A solid as it was read to be measured, so that its repair, the dearest part, is not done twice. Whoever imports
+    /// the entry takes it out. Null: read the file again.
+    std::shared_ptr<std::optional<datasets::RawShape<3>>> measured;
 };
 
 /// The files of a study and how they are placed in the cube.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/import.h"
+#include "datasets/random_source.h"
 #include "datasets/solid_reader.h"
 #include "tests/datasets/solids/solid_files.h"
 
@@ -76,6 +77,22 @@ TEST(SolidReader, MirrorTakesNamesAndPatterns) {
     ImportOptions others;
     others.mirror = "right-*,foot";
     EXPECT_EQ(import_shape<3>(source, others, placed).digest, plain.digest);
+}
+
+TEST(SolidReader, NoiseIsSmoothedUnlessItIsToBeKept) {
+    const FileFolder folder;
+    TriangleMesh ball = ball_mesh({0.5, 0.5, 0.5}, 0.3, 4);
+    RandomSource random(1);
+    for (auto& p : ball.points) {
+        for (double& x : p) x += random.uniform(-0.005, 0.005);
+    }
+    const auto source = source_of(folder.write("ball.ply", ply_file(ball, "ascii")));
+    ImportOptions options;
+    EXPECT_THAT(read_shape<3>(source, options).notes, Contains(HasSubstr("was smoothed")));
+    options.noise = "keep";
+    EXPECT_THAT(read_shape<3>(source, options).notes, testing::Not(Contains(HasSubstr("was smoothed"))));
+    options.noise = "some";
+    EXPECT_THROW(read_shape<3>(source, options), std::invalid_argument);
 }
 
 TEST(SolidReader, SameFileSameBits) {

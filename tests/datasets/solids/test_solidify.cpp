@@ -115,9 +115,10 @@ TEST(Solidify, HolesAreClosed) {
     TriangleMesh ball = ball_mesh(middle, radius, 5);
     std::erase_if(ball.triangles, [&](const auto& t) { return ball.points[t[0]][2] > middle[2] + 0.9 * radius; });
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
-    // A cap of a tenth of the radius is missing; it is closed by a flat lid.
+    // A cap of a tenth of the radius is missing; the lid is bent, though less than the sphere.
     const double cap = pi * std::pow(0.1 * radius, 2) * (radius - 0.1 * radius / 3.0);
-    EXPECT_NEAR(solid.volume, ball_volume - cap, 0.003 * ball_volume);
+    EXPECT_GT(solid.volume, ball_volume - 0.8 * cap);
+    EXPECT_LT(solid.volume, ball_volume);
     EXPECT_TRUE(topology(solid.mesh).closed());
     EXPECT_THAT(solid.notes, Contains(HasSubstr("Holes were closed")));
     SolidifyOptions strict = coarse();
