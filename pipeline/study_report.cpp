@@ -90,6 +90,7 @@ reports::Trust trust_of(const an::AnalysisResult& all) {
     for (const an::CloseClusters& c : all.close) {
         trust.close_clusters.push_back({number(c.first), number(c.second), c.separation, c.error});
     }
+    trust.graph_correlation = all.isomap_correlation;
     trust.remarks = all.remarks;
     return trust;
 }
@@ -160,7 +161,8 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     }
     for (const an::TreeResult& tree : all.trees) model.linkages.push_back(tree_of(tree));
     for (const an::ClusterResult& c : all.clusterings) {
-        model.clusterings.push_back({c.method, c.cut, ints(c.clusters), ints(c.medoids), c.mean_silhouette});
+        model.clusterings.push_back({c.method, c.cut, ints(c.clusters), ints(c.medoids), c.mean_silhouette,
+                                     an::adjusted_rand(c.clusters, all.clusterings.front().clusters)});
     }
     for (const an::EmbeddingResult& e : all.embeddings) {
         model.embeddings.push_back({e.method, number(e.embedding.dimensions), e.embedding.coordinates, e.stress,
