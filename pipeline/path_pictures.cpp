@@ -154,7 +154,7 @@ double upper_end(std::span<const ScalarField<Dim>> fields, const std::vector<Lev
 }
 
 template <int Dim>
-double picture_reach(const LevelSet<Dim>& u, const SolidView& view) {
+double picture_reach(const LevelSet<Dim>& u, const SolidView& view, bool with_slice) {
     const datasets::ViewAxes axes = Dim == 3 ? datasets::axes_of(view.camera) : datasets::ViewAxes{};
     double reach = 0.0;
     for (std::size_t i = 0; i < u.values.size(); ++i) {
@@ -166,7 +166,7 @@ double picture_reach(const LevelSet<Dim>& u, const SolidView& view) {
             const double offset = x[axis] - 0.5;
             right += axes.right[axis] * offset;
             up += axes.up[axis] * offset;
-            if (Dim == 2 || a != view.slice_axis) reach = std::max(reach, std::abs(offset));
+            if (Dim == 2 || (with_slice && a != view.slice_axis)) reach = std::max(reach, std::abs(offset));
         }
         reach = std::max({reach, std::abs(right), std::abs(up)});
     }
@@ -201,8 +201,8 @@ PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const S
     return pictures;
 }
 
-template double picture_reach<2>(const LevelSet<2>&, const SolidView&);
-template double picture_reach<3>(const LevelSet<3>&, const SolidView&);
+template double picture_reach<2>(const LevelSet<2>&, const SolidView&, bool);
+template double picture_reach<3>(const LevelSet<3>&, const SolidView&, bool);
 template SolidView near_view<2>(const SolidView&, double);
 template SolidView near_view<3>(const SolidView&, double);
 template ScalarField<2> dissipation_rate<2>(const Deformation<2>&, double, double, double);

@@ -18,9 +18,10 @@ struct SolidView {
     int slice_axis = 1;  ///< slices are perpendicular to it, through the middle of the cube
 };
 
-/// Half width of the smallest picture around the middle of the cube that shows the whole shape, slice included.
+/// Half width of the smallest picture around the middle of the cube that shows the whole shape.
+/// @param with_slice  the slices of solids, too
 template <int Dim>
-[[nodiscard]] double picture_reach(const LevelSet<Dim>& u, const SolidView& view = {});
+[[nodiscard]] double picture_reach(const LevelSet<Dim>& u, const SolidView& view = {}, bool with_slice = false);
 /// The view so near that shapes of this reach fill the picture but for a margin; never farther than with zoom 1.
 template <int Dim>
 [[nodiscard]] SolidView near_view(const SolidView& view, double reach);
