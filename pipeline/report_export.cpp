@@ -135,8 +135,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         const auto [a, b] = chosen[p];
         const std::size_t i = analysed.analysis.kept[static_cast<std::size_t>(a)],
                           j = analysed.analysis.kept[static_cast<std::size_t>(b)];
-        const auto& pair = data.pairs[data.index(i, j)];
-        if (!pair || !pair->problem().empty()) return;
+        const StoredGeodesic* const pair = data.geodesic(data.index(i, j));
+        if (pair == nullptr || !pair->problem().empty()) return;
         const bool forward = data.first_is_a[data.index(i, j)];
         const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
         const std::filesystem::path below = std::filesystem::path("paths") / path_folder(p, from.name, to.name);

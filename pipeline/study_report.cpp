@@ -116,8 +116,8 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
             if (data.pairs_coarse > 0) {
                 model.refined.push_back(data.refined(data.index(all.kept[i], all.kept[j])) ? 1 : 0);
             }
-            const auto& pair = data.pairs[data.index(all.kept[i], all.kept[j])];
-            if (pair && !pair->problem().empty()) {
+            const StoredGeodesic* const pair = data.geodesic(data.index(all.kept[i], all.kept[j]));
+            if (pair != nullptr && !pair->problem().empty()) {
                 model.trust.not_converged.push_back({number(i), number(j), pair->problem()});
             }
         }
@@ -132,10 +132,10 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     for (std::size_t i = 0; i < data.shapes.size(); ++i) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
             const std::size_t p = data.index(i, j);
-            if (!data.pairs[p] || !data.backward[p] || !data.distances.known(i, j)) continue;
-            const auto& first_to_second = data.first_is_a[p] ? *data.pairs[p] : *data.backward[p];
-            const auto& second_to_first = data.first_is_a[p] ? *data.backward[p] : *data.pairs[p];
-            input.directed.push_back({i, j, first_to_second.path_length, second_to_first.path_length});
+            const StoredGeodesic *there = data.geodesic(p), *back = data.backward_geodesic(p);
+            if (there == nullptr || back == nullptr || !data.distances.known(i, j)) continue;
+            if (!data.first_is_a[p]) std::swap(there, back);
+            input.directed.push_back({i, j, there->path_length, back->path_length});
         }
     }
     input.directed.insert(input.directed.end(), data.given_directions.begin(), data.given_directions.end());

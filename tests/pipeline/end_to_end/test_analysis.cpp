@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pipeline/given_matrix.h"
 #include "program.h"
 
 namespace morphodesic::tests {
@@ -116,6 +117,16 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const Outcome bad = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "bad.csv").string()});
     EXPECT_EQ(bad.code, 2);
     EXPECT_THAT(bad.err, HasSubstr("no distance to any of the 6 shapes"));
+}
+
+/// Two thousand shapes have two million pairs: nothing of the size of a geodesic is kept for each.
+TEST(AnalyzeTable, TablesKeepNoGeodesics) {
+    const TemporaryFolder folder;
+    write_file(folder / "d.csv", table);
+    const pipeline::StudyData data = pipeline::read_given_matrix(folder / "d.csv", {});
+    EXPECT_EQ(data.distances.pair_count(), 15u);
+    EXPECT_EQ(data.pairs.capacity() + data.backward.capacity(), 0u);
+    EXPECT_EQ(data.geodesic(3), nullptr);
 }
 
 TEST(ReportOfTable, PlacedQueriesComeAndGo) {
