@@ -138,4 +138,20 @@ GraphDistances isomap_distances(const DistanceMatrix& distances, std::size_t k) 
     return result;
 }
 
+std::vector<double> query_path_distances(const DistanceMatrix& graph, std::span<const double> query, std::size_t k) {
+    const std::size_t n = graph.size();
+    if (query.size() != n) throw std::invalid_argument("one distance per item is needed, NaN if unknown");
+    std::vector<std::size_t> nearest;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!std::isnan(query[i])) nearest.push_back(i);
+    }
+    std::stable_sort(nearest.begin(), nearest.end(), [&](std::size_t i, std::size_t j) { return query[i] < query[j]; });
+    nearest.resize(std::min(nearest.size(), k));
+    std::vector<double> result(n, missing);
+    for (const std::size_t via : nearest) {
+        for (std::size_t i = 0; i < n; ++i) result[i] = std::fmin(result[i], query[via] + graph(via, i));
+    }
+    return result;
+}
+
 }  // namespace morphodesic::analysis

@@ -37,4 +37,11 @@ struct GraphDistances {
 };
 [[nodiscard]] GraphDistances isomap_distances(const DistanceMatrix& distances, std::size_t k);
 
+/// Path lengths of a further item to all others, its edges leading to its k nearest.
+/// @param graph  path lengths of the others
+/// @param query  its distances to them, NaN where missing
+/// @return       [n] NaN if no distance is known
+[[nodiscard]] std::vector<double> query_path_distances(const DistanceMatrix& graph, std::span<const double> query,
+                                                       std::size_t k);
+
 }  // namespace morphodesic::analysis

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 #include "analysis/diffusion.h"
 #include "analysis/gaps.h"
 #include "analysis/parallel.h"
+#include "analysis/procrustes.h"
 #include "analysis/statistics.h"
 
 namespace morphodesic::analysis {
@@ -84,6 +86,21 @@ ClassResult judge(const std::string& ranking, const DistanceMatrix& distances, c
     return result;
 }
 
+/// Whether the starts of a map agree.
+std::string starts_in_words(const EmbeddingResult& map) {
+    double highest = map.stress, largest = 0.0;
+    for (const SmacofRun& run : map.runs) {
+        highest = std::max(highest, run.stress);
+        largest = std::max(largest, run.distance_to_best);
+    }
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "The map in %zu dimensions is the best of %zu starts: stress %.3g (when it was chosen they had up to "
+                  "%.3g); aligned with the best, their points lie up to %.3g away (root mean square).",
+                  map.embedding.dimensions, map.runs.size(), map.stress, highest, largest);
+    return text;
+}
+
 EmbeddingResult from(const char* method, Smacof&& s, bool metric) {
     EmbeddingResult result{method, std::move(s.embedding), s.stress,    std::move(s.stress_per_item),
                            {},     s.iterations,           s.converged, std::move(s.runs)};
@@ -91,8 +108,16 @@ EmbeddingResult from(const char* method, Smacof&& s, bool metric) {
     return result;
 }
 
-EmbeddingResult from(const DistanceMatrix& distances, ClassicalScaling&& scaling) {
-    EmbeddingResult result{"classical MDS", std::move(scaling.embedding), 0.0, {}, {}, 0, true, {}};
+/// The first axes of a classical scaling as a map, judged by the distances.
+EmbeddingResult from(const char* method, const DistanceMatrix& distances, const ClassicalScaling& scaling,
+                     std::size_t dimensions) {
+    const Embedding& all = scaling.embedding;
+    EmbeddingResult result{method, {dimensions, {}}, 0.0, {}, {}, 0, true, {}};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        for (std::size_t axis = 0; axis < dimensions; ++axis) {
+            result.embedding.coordinates.push_back(all(i, axis));
+        }
+    }
     const std::vector<double> embedded = embedded_distances(result.embedding);
     const std::size_t n = distances.size();
     result.stress_per_item.assign(n, 0.0);
@@ -239,20 +264,24 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
         r.components = connected_components(n, r.neighbour_graph);
     });
     part("graph distances", [&] {
-        const GraphDistances paths = isomap_distances(known, static_cast<std::size_t>(options.neighbors));
-        r.isomap_correlation = spearman_correlation(r.distances.condensed(), paths.distances.condensed());
+        GraphDistances paths = isomap_distances(known, static_cast<std::size_t>(options.neighbors));
+        r.graph_distances = std::move(paths.distances);
+        r.isomap_correlation = spearman_correlation(r.distances.condensed(), r.graph_distances.condensed());
+        if (paths.joined_components > 1) {
+            r.remarks.push_back("The graph of the " + std::to_string(options.neighbors) +
+                                " nearest neighbours falls into " + std::to_string(paths.joined_components) +
+                                " parts; paths between them take edges of the minimum spanning tree.");
+        }
     });
     part("classical MDS", [&] {
-        ClassicalScaling three = classical_mds(r.distances, 3);
-        r.eigenvalues = three.eigenvalues;
-        r.smallest_eigenvalue = three.smallest_eigenvalue;
-        ClassicalScaling two{{2, std::vector<double>(2 * n)}, {}, 0.0, 0.0, 0.0};  // its first two axes
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t axis = 0; axis < 2; ++axis)
-                two.embedding.coordinates[2 * i + axis] = three.embedding(i, axis);
-        }
-        r.embeddings.push_back(from(r.distances, std::move(two)));
-        r.embeddings.push_back(from(r.distances, std::move(three)));
+        const ClassicalScaling axes = classical_mds(r.distances, 3);
+        r.eigenvalues = axes.eigenvalues;
+        r.smallest_eigenvalue = axes.smallest_eigenvalue;
+        for (const std::size_t d : {2u, 3u}) r.embeddings.push_back(from("classical MDS", r.distances, axes, d));
+    });
+    part("Isomap", [&] {
+        const ClassicalScaling axes = classical_mds(r.graph_distances, 3);
+        for (const std::size_t d : {2u, 3u}) r.embeddings.push_back(from("Isomap", r.distances, axes, d));
     });
     // One iteration costs O(n^2): 500 of them up to about 900 items, 100 for 2000; the monotone regression costs
     // tenfold.
@@ -278,6 +307,7 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
                                        : by_size(metric ? 4e8 : 1e8, 500.0);
                 scaled.push_back(from(metric ? "SMACOF" : "non-metric SMACOF", smacof(r.distances, s), metric));
                 const EmbeddingResult& e = scaled.back();
+                if (metric && e.runs.size() > 1) r.remarks.push_back(starts_in_words(e));
                 if (!e.converged) {
                     r.remarks.push_back(e.method + " in " + std::to_string(dimensions) + " dimensions stopped after " +
                                         std::to_string(e.iterations) +
@@ -288,6 +318,11 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
     }
     r.embeddings.insert(r.embeddings.begin(), std::make_move_iterator(scaled.begin()),
                         std::make_move_iterator(scaled.end()));
+    // All maps of one dimension lie as the first one does, so that a reader can go from one to the other.
+    for (std::size_t m = 2; m < r.embeddings.size(); ++m) {
+        Embedding& map = r.embeddings[m].embedding;
+        map = procrustes(r.embeddings[map.dimensions - 2].embedding, map).aligned;
+    }
     part("triangles", [&] { r.triangles = triangle_violations(known); });
     part("stability", [&] {
         const Clustering& clusters = r.clusterings.front().clusters;

@@ -87,7 +87,7 @@ struct ClusterResult {
 };
 
 struct EmbeddingResult {
-    std::string method;  ///< "classical MDS", "SMACOF", "non-metric SMACOF"
+    std::string method;  ///< "SMACOF", "non-metric SMACOF", "classical MDS", "Isomap"
     Embedding embedding;
     double stress;                        ///< stress-1
     std::vector<double> stress_per_item;  ///< shares of the squared misfit
@@ -128,10 +128,13 @@ struct AnalysisResult {
     std::vector<ClusterResult> clusterings;   ///< the cut of the chosen tree, then k-medoids with as many clusters
     std::vector<Edge> spanning_tree, neighbour_graph;  ///< by known distances
     std::vector<std::size_t> components;               ///< of the neighbour graph
-    double isomap_correlation = missing;  ///< Spearman, distances against path lengths in the neighbour graph
-    std::vector<double> eigenvalues;      ///< of classical scaling, largest first (up to ten)
+    DistanceMatrix graph_distances;                    ///< path lengths in the neighbour graph (Isomap)
+    double isomap_correlation = missing;               ///< Spearman, distances against graph_distances
+    std::vector<double> eigenvalues;                   ///< of classical scaling, largest first (up to ten)
     double smallest_eigenvalue = 0.0;
-    std::vector<EmbeddingResult> embeddings;  ///< SMACOF 2D, 3D; non-metric 2D, 3D; classical 2D, 3D
+    /// SMACOF in 2 and 3 dimensions, non-metric SMACOF, classical MDS, Isomap; turned to lie as the first of its
+    /// dimension
+    std::vector<EmbeddingResult> embeddings;
 
     TriangleReport triangles;          ///< of the given distances of the kept items, not of filled ones
     AsymmetryReport directions;        ///< of AnalysisInput::directed between kept items

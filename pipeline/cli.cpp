@@ -44,7 +44,7 @@ private:
     void add_settings(CLI::App* command, RunSettings& settings, bool with_import);
     void add_study_command(const std::string& name, const std::string& help, const std::string& footer,
                            int (*function)(const StudyOptions&), bool from_files, bool computes);
-    void add_findings(CLI::App* command, bool with_queries);
+    void add_findings(CLI::App* command);
     void add_geodesic();
     void add_classify();
     void add_datasets();
@@ -181,7 +181,7 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
         sub->add_option("study", study.study,
                         takes_tables ? "study folder, or a table of distances (CSV) from anywhere" : "study folder")
             ->required();
-        if (takes_tables) add_findings(sub, name == "analyze");
+        if (takes_tables) add_findings(sub);
     }
     add_common(sub, study.common, true);
     if (from_files || computes) add_settings(sub, study.settings, from_files);
@@ -228,7 +228,7 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
     sub->callback([this, function] { action = [this, function] { return function(study); }; });
 }
 
-void CommandLine::add_findings(CLI::App* command, bool with_queries) {
+void CommandLine::add_findings(CLI::App* command) {
     const char* group = "Sources";
     command->add_option("--labels", study.labels, "table file,label of the classes, in place of those of the study")
         ->check(CLI::ExistingFile)
@@ -240,15 +240,13 @@ void CommandLine::add_findings(CLI::App* command, bool with_queries) {
         ->check(CLI::ExistingPath)
         ->option_text("STUDY")
         ->group(group);
-    if (with_queries) {
-        command
-            ->add_option("--place", study.place,
-                         "distances of further shapes to these (a row each, or ranking.csv of classify): placed in the "
-                         "maps, placed.csv")
-            ->check(CLI::ExistingFile)
-            ->option_text("FILE")
-            ->group(group);
-    }
+    command
+        ->add_option("--place", study.place,
+                     "distances of further shapes to these (a row each, or ranking.csv of classify): placed in the "
+                     "maps, placed.csv")
+        ->check(CLI::ExistingFile)
+        ->option_text("FILE")
+        ->group(group);
     command->add_option("--errors", study.errors, "for a table: the error bars, as a table of the same labels")
         ->check(CLI::ExistingFile)
         ->option_text("FILE")

@@ -32,11 +32,12 @@ struct StudyOptions {
     std::filesystem::path labels;   ///< analyze, report: table file,label that overrules the classes; empty: none
     std::filesystem::path errors;   ///< analyze, report of a table: table of its error bars; empty: none
     bool asymmetric = false;        ///< analyze, report of a table: its two sides are both directions
-    std::filesystem::path place;    ///< analyze: distances of further shapes, to be placed in the maps; empty: none
-    std::filesystem::path out;      ///< analyze, report of a table: folder for the results; empty: beside the table
-    int sample = 10;                ///< verify: pairs that are computed again
-    unsigned seed = 1;              ///< verify: which ones
-    std::string command;            ///< for the report: the command that repeats the study
+    std::filesystem::path
+        place;                  ///< analyze, report: distances of further shapes, to be placed in the maps; empty: none
+    std::filesystem::path out;  ///< analyze, report of a table: folder for the results; empty: beside the table
+    int sample = 10;            ///< verify: pairs that are computed again
+    unsigned seed = 1;          ///< verify: which ones
+    std::string command;        ///< for the report: the command that repeats the study
 };
 
 /// Options of geodesic A B.

@@ -46,26 +46,26 @@ std::string pairs_csv(const StudyData& data) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
             const StoredShape &a = data.shapes[i], &b = data.shapes[j];
             const std::size_t p = data.index(i, j);
-            const auto row = [&](const std::optional<StoredGeodesic>& pair, bool first_is_a) {
+            const auto row = [&](const StoredGeodesic* pair, bool first_is_a) {
                 csv.cell(a.name).cell(b.name).cell(a.label).cell(b.label);
                 csv.cell(data.distances(i, j)).cell(data.distances.error(i, j));
-                if (pair && pair->failure.empty()) {
+                if (pair != nullptr && pair->failure.empty()) {
                     csv.cell(pair->extrapolated_length).cell(pair->path_length).cell(pair->path_energy);
                     csv.cell(pair->total_energy).cell(pair->min_det).cell(std::string(to_string(pair->termination)));
                 } else {
                     for (int column = 0; column < 6; ++column) csv.cell(std::string());
                 }
                 const bool same = a.content_digest == b.content_digest;
-                csv.cell(pair ? pair->problem() : same ? "" : "not computed yet");
-                csv.cell(!pair ? "" : first_is_a ? a.name : b.name);
+                csv.cell(pair != nullptr ? pair->problem() : same ? "" : "not computed yet");
+                csv.cell(pair == nullptr ? "" : first_is_a ? a.name : b.name);
                 csv.cell(static_cast<long>(data.geodesic_of(p).level));
                 csv.cell(static_cast<long>(data.geodesic_of(p).time_steps));
-                csv.cell(pair ? pair->seconds : std::nan(""));
+                csv.cell(pair != nullptr ? pair->seconds : std::nan(""));
                 csv.cell(data.refined(p) ? 1L : 0L);
                 csv.end_row();
             };
-            row(data.pairs[p], data.first_is_a[p]);
-            if (data.backward[p]) row(data.backward[p], !data.first_is_a[p]);
+            row(data.geodesic(p), data.first_is_a[p]);
+            if (data.backward_geodesic(p) != nullptr) row(data.backward_geodesic(p), !data.first_is_a[p]);
         }
     }
     return csv.text();

@@ -24,8 +24,11 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
 /// report.json, report.html and figures/ of a complete model; the summary is told where they are.
 void write_report(const reports::ReportModel& model, const StudyFolder& folder, Summary& summary);
 
-/// Sets the study or table that the options name beside this one (ReportModel::compare).
-void set_beside(const StudyData& data, const StudyOptions& options, reports::ReportModel& model);
+/// What only some analyses have: another study or table beside this one (ReportModel::compare), and further shapes
+/// placed in the maps (ReportModel::placed, placed.csv).
+/// @throws analysis::ParseError if a table that the options name cannot be used
+void add_findings(const StudyData& data, const StudyOptions& options, const StudyFolder& folder,
+                  AnalysedStudy& analysed, Summary& summary);
 
 /// Says in the summary how well the distances know the classes, and how many clusters there are.
 void summarise(const reports::ReportModel& model, Summary& summary);

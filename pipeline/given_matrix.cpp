@@ -42,10 +42,6 @@ StudyData read_given_matrix(const fs::path& table, const GivenMatrixOptions& opt
         shape.volume = std::numeric_limits<double>::quiet_NaN();
         data.shapes.push_back(std::move(shape));
     }
-    const std::size_t pairs = data.distances.pair_count();
-    data.pairs.resize(pairs);
-    data.backward.resize(pairs);
-    data.first_is_a.resize(pairs, true);
     data.pairs_missing = static_cast<long>(data.distances.missing_count());
     return data;
 }

@@ -26,7 +26,9 @@ ordered_json numbers(const std::vector<double>& values) {
 
 template <int Dim>
 DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view) {
-    const PathPictures pictures = path_pictures(path, frame_pixels, view);
+    double reach = 0.0;
+    for (const LevelSet<Dim>& shape : path.shapes) reach = std::max(reach, picture_reach<Dim>(shape, view, true));
+    const PathPictures pictures = path_pictures(path, frame_pixels, near_view<Dim>(view, reach));
     DrawnPath drawn;
     for (const RgbaImage& frame : pictures.frames)
         drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});

@@ -56,14 +56,14 @@ std::optional<Hit<2>> look(const LevelSet<2>& u, double column, double row, doub
 }
 
 /// Calls paint(hit) -> Colour for every pixel that sees the shape.
+/// @param radius  half width of the picture
 template <int Dim, class Paint>
-RgbaImage draw(const LevelSet<Dim>& u, int pixels, const Paint& paint) {
+RgbaImage draw(const LevelSet<Dim>& u, int pixels, double radius, const Paint& paint) {
     RgbaImage image(pixels, pixels);
-    const double pixel = 2 * picture_radius / pixels;
+    const double pixel = 2 * radius / pixels;
     for (int row = 0; row < pixels; ++row) {
         for (int column = 0; column < pixels; ++column) {
-            const auto hit =
-                look(u, (column + 0.5) * pixel - picture_radius, picture_radius - (row + 0.5) * pixel, pixel);
+            const auto hit = look(u, (column + 0.5) * pixel - radius, radius - (row + 0.5) * pixel, pixel);
             if (!hit || hit->coverage <= 0) continue;
             const Colour colour = paint(*hit);
             std::array<unsigned char, 4> rgba{0, 0, 0, static_cast<unsigned char>(std::lround(255 * hit->coverage))};
@@ -153,25 +153,58 @@ double upper_end(std::span<const ScalarField<Dim>> fields, const std::vector<Lev
     return quantile(std::move(inside), share);
 }
 
-template <>
-RgbaImage shape_picture<2>(const LevelSet<2>& u, int pixels, const SolidView&) {
-    return draw(u, pixels, [](const Hit<2>&) { return Colour{47, 62, 92}; });
+template <int Dim>
+double picture_reach(const LevelSet<Dim>& u, const SolidView& view, bool with_slice) {
+    const datasets::ViewAxes axes = Dim == 3 ? datasets::axes_of(view.camera) : datasets::ViewAxes{};
+    double reach = 0.0;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (u.values[i] <= 0.0) continue;
+        const Point<Dim> x = u.grid.position(u.grid.node(i));
+        double right = 0.0, up = 0.0;
+        for (int a = 0; a < Dim; ++a) {
+            const auto axis = static_cast<std::size_t>(a);
+            const double offset = x[axis] - 0.5;
+            right += axes.right[axis] * offset;
+            up += axes.up[axis] * offset;
+            if (Dim == 2 || (with_slice && a != view.slice_axis)) reach = std::max(reach, std::abs(offset));
+        }
+        reach = std::max({reach, std::abs(right), std::abs(up)});
+    }
+    return reach;
+}
+
+template <int Dim>
+SolidView near_view(const SolidView& view, double reach) {
+    SolidView result = view;
+    result.camera.zoom = 1.0;
+    const double radius = Dim == 2 ? picture_radius : datasets::view_radius(result.camera);
+    result.camera.zoom = std::max(1.0, radius / (1.15 * std::max(reach, 0.02)));
+    return result;
 }
 
 template <>
-PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const SolidView&) {
+RgbaImage shape_picture<2>(const LevelSet<2>& u, int pixels, const SolidView& view) {
+    return draw(u, pixels, picture_radius / view.camera.zoom, [](const Hit<2>&) { return Colour{47, 62, 92}; });
+}
+
+template <>
+PathPictures path_pictures<2>(const GeodesicResult<2>& path, int pixels, const SolidView& view) {
     const std::vector<ScalarField<2>> rates = dissipation_of_frames(path);
     PathPictures pictures;
     pictures.highest = upper_end<2>(std::span(rates).first(path.deformations.size()), path.shapes);
     const double unit = std::max(pictures.highest, 1e-300);
     for (std::size_t k = 0; k < rates.size(); ++k) {
-        pictures.frames.push_back(draw(path.shapes[k], pixels, [&](const Hit<2>& hit) {
-            return dissipation_colour(value_at<2>(rates[k], hit.x) / unit);
-        }));
+        pictures.frames.push_back(
+            draw(path.shapes[k], pixels, picture_radius / view.camera.zoom,
+                 [&](const Hit<2>& hit) { return dissipation_colour(value_at<2>(rates[k], hit.x) / unit); }));
     }
     return pictures;
 }
 
+template double picture_reach<2>(const LevelSet<2>&, const SolidView&, bool);
+template double picture_reach<3>(const LevelSet<3>&, const SolidView&, bool);
+template SolidView near_view<2>(const SolidView&, double);
+template SolidView near_view<3>(const SolidView&, double);
 template ScalarField<2> dissipation_rate<2>(const Deformation<2>&, double, double, double);
 template ScalarField<3> dissipation_rate<3>(const Deformation<3>&, double, double, double);
 template std::vector<ScalarField<2>> dissipation_of_frames<2>(const GeodesicResult<2>&);

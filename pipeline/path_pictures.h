@@ -12,11 +12,19 @@ namespace morphodesic::pipeline {
 /// Half width of the part of the unit cube that pictures show, around its centre: shapes reach 0.36 from it.
 inline constexpr double picture_radius = 0.4;
 
-/// How the solids of a study are looked at; pictures of plane shapes ignore it.
+/// How the solids of a study are looked at; of plane shapes only the zoom of the camera counts (1: picture_radius).
 struct SolidView {
     datasets::View camera;
     int slice_axis = 1;  ///< slices are perpendicular to it, through the middle of the cube
 };
+
+/// Half width of the smallest picture around the middle of the cube that shows the whole shape.
+/// @param with_slice  the slices of solids, too
+template <int Dim>
+[[nodiscard]] double picture_reach(const LevelSet<Dim>& u, const SolidView& view = {}, bool with_slice = false);
+/// The view so near that shapes of this reach fill the picture but for a margin; never farther than with zoom 1.
+template <int Dim>
+[[nodiscard]] SolidView near_view(const SolidView& view, double reach);
 
 /// A shape in one colour on a transparent background, anti-aliased; solids are shaded.
 template <int Dim>

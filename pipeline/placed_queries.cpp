@@ -86,30 +86,51 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
     return queries;
 }
 
-std::string placed_csv(const analysis::AnalysisResult& result, const std::vector<QueryRow>& queries) {
-    std::string text = "name,method,dimensions,x,y,z,stress,nearest,distance,class\n";
+std::vector<reports::PlacedQuery> place_queries(const analysis::AnalysisResult& result,
+                                                const std::vector<QueryRow>& queries) {
+    std::vector<reports::PlacedQuery> placed;
     for (const QueryRow& query : queries) {
-        std::size_t nearest = query.distances.size();
+        reports::PlacedQuery found;
+        found.name = query.name;
         for (std::size_t i = 0; i < query.distances.size(); ++i) {
             const double d = query.distances[i];
-            if (!std::isnan(d) && (nearest == query.distances.size() || d < query.distances[nearest])) nearest = i;
+            if (std::isnan(d) || (found.nearest >= 0 && d >= found.distance)) continue;
+            found.nearest = static_cast<int>(i);
+            found.distance = d;
         }
+        const std::vector<double> along_graph = analysis::query_path_distances(
+            result.graph_distances, query.distances, static_cast<std::size_t>(result.options.neighbors));
         for (const analysis::EmbeddingResult& map : result.embeddings) {
-            text += analysis::csv_cell(std::string_view(query.name)) + "," + map.method + "," +
-                    std::to_string(map.embedding.dimensions);
-            if (nearest == query.distances.size()) {  // nothing is known of it
-                text += ",,,,,,,\n";
-                continue;
-            }
-            const analysis::Placement place = analysis::place_query(map.embedding, query.distances);
+            const bool has_place = found.nearest >= 0;
+            const auto& distances = map.method == "Isomap" ? along_graph : query.distances;
+            analysis::Placement place{{}, reports::unknown};
+            if (has_place) place = analysis::place_query(map.embedding, distances);
+            found.positions.push_back(std::move(place.position));
+            found.stress.push_back(place.stress);
+        }
+        placed.push_back(std::move(found));
+    }
+    return placed;
+}
+
+std::string placed_csv(const reports::ReportModel& model) {
+    std::string text = "name,method,dimensions,x,y,z,stress,nearest,distance,class\n";
+    for (const reports::PlacedQuery& query : model.placed) {
+        std::string ending = ",,,\n";  // nothing is known of it
+        if (query.nearest >= 0) {
+            const reports::ReportShape& nearest = model.shapes[static_cast<std::size_t>(query.nearest)];
+            ending = "," + analysis::csv_cell(std::string_view(nearest.name)) + "," +
+                     analysis::csv_cell(query.distance) + "," + analysis::csv_cell(std::string_view(nearest.label)) +
+                     "\n";
+        }
+        for (std::size_t m = 0; m < model.embeddings.size(); ++m) {
+            const std::vector<double>& position = query.positions[m];
+            text += analysis::csv_cell(std::string_view(query.name)) + "," + model.embeddings[m].method + "," +
+                    std::to_string(model.embeddings[m].dimension);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                text += "," + (axis < place.position.size() ? analysis::csv_cell(place.position[axis]) : "");
+                text += "," + (axis < position.size() ? analysis::csv_cell(position[axis]) : "");
             }
-            text += "," + analysis::csv_cell(place.stress) + "," +
-                    analysis::csv_cell(std::string_view(result.labels[nearest])) + "," +
-                    analysis::csv_cell(query.distances[nearest]) + "," +
-                    (result.classes.empty() ? "" : analysis::csv_cell(std::string_view(result.classes[nearest]))) +
-                    "\n";
+            text += "," + (position.empty() ? "" : analysis::csv_cell(query.stress[m])) + ending;
         }
     }
     return text;

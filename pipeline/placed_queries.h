@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/study.h"
+#include "reports/report_model.h"
 
 namespace morphodesic::pipeline {
 
@@ -21,10 +22,14 @@ struct QueryRow {
 [[nodiscard]] std::vector<QueryRow> read_queries(const std::filesystem::path& table,
                                                  const std::vector<std::string>& labels);
 
-/// placed.csv: every query placed in every map of the analysis, the shapes of the study held fixed. One row per query
-/// and map: name, method, dimensions, x, y, z, stress (misfit of its distances), nearest (item), distance, class (of
-/// the nearest item).
+/// Every query placed in every map of the analysis, the shapes of the study held fixed; in Isomap's maps by its path
+/// lengths along the neighbour graph.
 /// @param queries  distances in the order of `result.labels`
-[[nodiscard]] std::string placed_csv(const analysis::AnalysisResult& result, const std::vector<QueryRow>& queries);
+[[nodiscard]] std::vector<reports::PlacedQuery> place_queries(const analysis::AnalysisResult& result,
+                                                              const std::vector<QueryRow>& queries);
+
+/// placed.csv: one row per query and map: name, method, dimensions, x, y, z, stress (misfit of its distances), nearest
+/// (shape), distance, class (of the nearest shape).
+[[nodiscard]] std::string placed_csv(const reports::ReportModel& model);
 
 }  // namespace morphodesic::pipeline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands/summary.h"
@@ -13,6 +14,7 @@
 #include "pipeline/pair_graph.h"
 #include "pipeline/path_files.h"
 #include "pipeline/path_pictures.h"
+#include "pipeline/placed_queries.h"
 #include "pipeline/report_provenance.h"
 #include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
@@ -33,49 +35,22 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
     return shape;
 }
 
-/// Largest distance of a shape from the centre of the cube along an axis.
-double reach_of(const LevelSet<2>& u) {
-    double reach = 0.1;
-    for (std::size_t k = 0; k < u.values.size(); ++k) {
-        if (u.values[k] <= 0.0) continue;
-        const Point<2> x = u.grid.position(u.grid.node(k));
-        for (const double c : x) reach = std::max(reach, std::abs(c - 0.5));
-    }
-    return std::min(reach, 0.5);
-}
-
-/// The middle of a square picture.
-RgbaImage middle_of(const RgbaImage& image, int pixels) {
-    RgbaImage result(pixels, pixels);
-    const int cut = (image.width - pixels) / 2;
-    for (int row = 0; row < pixels; ++row) {
-        const auto from = image.pixels.begin() + 4 * ((row + cut) * static_cast<std::ptrdiff_t>(image.width) + cut);
-        std::copy(from, from + 4 * static_cast<std::ptrdiff_t>(pixels),
-                  result.pixels.begin() + 4 * row * static_cast<std::ptrdiff_t>(pixels));
-    }
-    return result;
-}
-
-/// Pictures of all shapes at one scale: that of the cube, or in 2D, where many shapes leave most of it empty, as large
-/// as the largest of them allows.
+/// Pictures of all shapes at one scale: that of the largest of them. Where that leaves most shapes as specks, each
+/// fills its picture, and the model says so.
 template <int Dim>
 void add_thumbnails(const StudyData& data, const ResultStore& store, const SolidView& view, AnalysedStudy& analysed) {
     const std::vector<std::size_t>& kept = analysed.analysis.kept;
-    int drawn_pixels = thumbnail_pixels;
-    if constexpr (Dim == 2) {
-        std::vector<double> reach(kept.size());
-        tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
-            reach[i] = reach_of(store.level_set<2>(data.shapes[kept[i]].content_digest));
-        });
-        // A sixth of air around the largest shape; never smaller than the usual picture.
-        const double window = 1.15 * *std::max_element(reach.begin(), reach.end());
-        drawn_pixels = std::max(thumbnail_pixels, static_cast<int>(thumbnail_pixels * picture_radius / window));
-    }
+    const auto shape = [&](std::size_t i) { return store.level_set<Dim>(data.shapes[kept[i]].content_digest); };
+    std::vector<double> reach(kept.size());
+    tbb::parallel_for(std::size_t{0}, kept.size(),
+                      [&](std::size_t i) { reach[i] = picture_reach<Dim>(shape(i), view); });
+    std::vector<double> sorted = reach;
+    std::sort(sorted.begin(), sorted.end());
+    analysed.model.pictures_at_one_scale = sorted[sorted.size() / 2] >= 0.65 * sorted.back();
+    if (analysed.model.pictures_at_one_scale) reach.assign(kept.size(), sorted.back());
     tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
-        const StoredShape& row = data.shapes[kept[i]];
-        const RgbaImage whole = shape_picture(store.level_set<Dim>(row.content_digest), drawn_pixels, view);
-        const RgbaImage image = drawn_pixels > thumbnail_pixels ? middle_of(whole, thumbnail_pixels) : whole;
-        analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, row.name};
+        const RgbaImage image = shape_picture(shape(i), thumbnail_pixels, near_view<Dim>(view, reach[i]));
+        analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, data.shapes[kept[i]].name};
     });
 }
 
@@ -107,7 +82,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                       const KeptSolids& kept, const StudyFolder& folder, const std::filesystem::path& below,
                       std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
-    const std::string key = Dim == 2 ? "path 1 " + pair : "path 3 " + pair + " " + key_of(view);
+    const std::string key = Dim == 2 ? "path 4 " + pair : "path 5 " + pair + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
     if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);
@@ -160,8 +135,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         const auto [a, b] = chosen[p];
         const std::size_t i = analysed.analysis.kept[static_cast<std::size_t>(a)],
                           j = analysed.analysis.kept[static_cast<std::size_t>(b)];
-        const auto& pair = data.pairs[data.index(i, j)];
-        if (!pair || !pair->problem().empty()) return;
+        const StoredGeodesic* const pair = data.geodesic(data.index(i, j));
+        if (pair == nullptr || !pair->problem().empty()) return;
         const bool forward = data.first_is_a[data.index(i, j)];
         const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
         const std::filesystem::path below = std::filesystem::path("paths") / path_folder(p, from.name, to.name);
@@ -210,6 +185,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
 void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                    Progress& progress, Summary& summary) {
     AnalysedStudy analysed = analyse_study(data, options.analysis);
+    if (StopSignals::caught() != 0) return;
+    add_findings(data, options, folder, analysed, summary);
     export_tables(data, analysed, folder);
     if (analysed.model.shapes.empty()) return;
     analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
@@ -222,15 +199,33 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
         analysed.model.warnings.push_back(*warning);
     }
     add_provenance(data, store, folder, options.analysis, analysed.model);
-    if (!options.compare.empty()) set_beside(data, options, analysed.model);
     write_report(analysed.model, folder, summary);
 }
 
-void set_beside(const StudyData& data, const StudyOptions& options, reports::ReportModel& model) {
-    const StudyData other = load_study_or_table(options.compare, {{}, options.asymmetric});
-    const std::filesystem::path named =
-        options.compare.has_filename() ? options.compare : options.compare.parent_path();
-    model.compare = compare_studies(data, other, named.filename().string(), options.analysis.neighbors);
+void add_findings(const StudyData& data, const StudyOptions& options, const StudyFolder& folder,
+                  AnalysedStudy& analysed, Summary& summary) {
+    if (!options.compare.empty()) {
+        const StudyData other = load_study_or_table(options.compare, {{}, options.asymmetric});
+        const std::filesystem::path named =
+            options.compare.has_filename() ? options.compare : options.compare.parent_path();
+        const reports::Comparison& compare = analysed.model.compare.emplace(
+            compare_studies(data, other, named.filename().string(), options.analysis.neighbors));
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "%d pairs in common; Spearman correlation %.4f, %.1f %% of the neighbours agree",
+                      compare.common_pairs, compare.spearman, 100 * compare.mean_overlap);
+        summary.lines.emplace_back(text);
+    }
+    if (options.place.empty()) {
+        folder.remove("placed.csv");  // of other maps
+        return;
+    }
+    const std::vector<QueryRow> queries = read_queries(options.place, analysed.analysis.labels);
+    analysed.model.placed = place_queries(analysed.analysis, queries);
+    folder.write("placed.csv", placed_csv(analysed.model));
+    summary.data["placed"] = queries.size();
+    summary.lines.push_back(std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries") +
+                            " placed in the maps: placed.csv");
 }
 
 void write_report(const reports::ReportModel& model, const StudyFolder& folder, Summary& summary) {

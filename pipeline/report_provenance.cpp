@@ -52,7 +52,8 @@ void add_settings(const Options& options, reports::ReportModel& model) {
     });
 }
 
-std::vector<reports::Link> links(bool given) {
+std::vector<reports::Link> links(const reports::ReportModel& model) {
+    const bool given = model.given_matrix;
     std::vector<reports::Link> all = {
         {"distances.csv", "distances.csv", "square matrix of distances; empty: no trustworthy distance"},
         {"distances.npy", "distances.npy", "the same for NumPy; NaN: no trustworthy distance"}};
@@ -63,6 +64,7 @@ std::vector<reports::Link> links(bool given) {
     all.push_back({"clusters.csv", "clusters.csv", "cluster of every shape"});
     all.push_back({"linkage.csv", "linkage.csv", "the dendrogram, rows as in SciPy"});
     all.push_back({"embedding.csv", "embedding.csv", "coordinates of the maps"});
+    if (!model.placed.empty()) all.push_back({"placed.csv", "placed.csv", "further shapes placed in the maps"});
     all.push_back({"accuracy.csv", "accuracy.csv", "how well the distances know the classes; no rows without classes"});
     all.push_back({"report.json", "report.json", "everything in this report but the pictures"});
     all.push_back({"figures/", "figures", "every figure as SVG, PDF and PNG"});
@@ -96,11 +98,12 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
     }
     add_settings(options, model);
     model.versions = {{"morphodesic", MORPHODESIC_VERSION, ""},
+                      {"compiler", __VERSION__, "other compilers may give other last digits"},
                       {"solver revision", std::to_string(solver_revision), "part of the settings hash"},
                       {"settings hash", data.settings_hash, "results of other settings never share a matrix"},
                       {"store version", std::to_string(store_version), ""}};
     model.command = store.fact("command").value_or("");
-    model.links = links(false);
+    model.links = links(model);
     if (data.levels.size() > 1) {
         model.links.push_back({"distances_refined.csv", "distances_refined.csv",
                                "distances.csv without the estimates from coarse grids (empty cells)"});
@@ -116,7 +119,7 @@ void add_provenance_of_table(const StudyOptions& options, const StudyFolder& fol
     model.command = options.command;
     add_settings(options.analysis, model);
     model.versions = {{"morphodesic", MORPHODESIC_VERSION, ""}};
-    model.links = links(true);
+    model.links = links(model);
 }
 
 }  // namespace morphodesic::pipeline

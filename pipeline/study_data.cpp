@@ -29,9 +29,8 @@ StudyData load_study(const ResultStore& store) {
     data.distances = analysis::DistanceMatrix(names);
     data.pairs.resize(data.distances.pair_count());
     data.first_is_a.resize(data.distances.pair_count(), true);
-
-    data.backward.resize(data.distances.pair_count());
     const bool both = data.settings.pairs.both_directions;
+    if (both) data.backward.resize(data.distances.pair_count());
     const StudyRounds rounds =
         rounds_of(store, data.settings, [&](const std::string& damage) { data.remarks.push_back(damage); });
     data.levels = rounds.levels;

@@ -27,9 +27,10 @@ struct StudyData {
     /// Path lengths with error bars, the mean where both directions are computed; of pairs that a screening left coarse
     /// an estimate of it (see Screening); missing where no distance is trustworthy.
     analysis::DistanceMatrix distances;
-    /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet.
+    /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet;
+    /// empty for a given table.
     std::vector<std::optional<StoredGeodesic>> pairs;
-    std::vector<std::optional<StoredGeodesic>> backward;  ///< the same, the other way round, if both are computed
+    std::vector<std::optional<StoredGeodesic>> backward;  ///< the other way round; empty unless both are computed
     /// Settings from coarse to fine; more than one if the study screens its pairs (PairSelection::neighbors).
     std::vector<GeodesicOptions> levels;
     std::vector<unsigned char> level_of;  ///< condensed: the level that `pairs`, `backward` and the distance are of
@@ -42,11 +43,19 @@ struct StudyData {
     bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
     std::vector<analysis::DirectedPair> given_directions;  ///< of a table that is not symmetric
 
+    /// The geodesic of a pair, and the one the other way round; nullptr if there is none.
+    [[nodiscard]] const StoredGeodesic* geodesic(std::size_t pair) const { return entry(pairs, pair); }
+    [[nodiscard]] const StoredGeodesic* backward_geodesic(std::size_t pair) const { return entry(backward, pair); }
     /// Solved with the settings of the study; else the distance is an estimate from coarse levels.
     [[nodiscard]] bool refined(std::size_t pair) const { return level_of[pair] + std::size_t{1} == levels.size(); }
     /// The settings that the geodesics of a pair were computed with.
     [[nodiscard]] const GeodesicOptions& geodesic_of(std::size_t pair) const { return levels[level_of[pair]]; }
     [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
+
+private:
+    static const StoredGeodesic* entry(const std::vector<std::optional<StoredGeodesic>>& from, std::size_t pair) {
+        return pair < from.size() && from[pair] ? &*from[pair] : nullptr;
+    }
 };
 
 /// @throws StoreError if the study has no settings or no shapes yet

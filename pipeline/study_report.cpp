@@ -90,6 +90,7 @@ reports::Trust trust_of(const an::AnalysisResult& all) {
     for (const an::CloseClusters& c : all.close) {
         trust.close_clusters.push_back({number(c.first), number(c.second), c.separation, c.error});
     }
+    trust.graph_correlation = all.isomap_correlation;
     trust.remarks = all.remarks;
     return trust;
 }
@@ -115,8 +116,8 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
             if (data.pairs_coarse > 0) {
                 model.refined.push_back(data.refined(data.index(all.kept[i], all.kept[j])) ? 1 : 0);
             }
-            const auto& pair = data.pairs[data.index(all.kept[i], all.kept[j])];
-            if (pair && !pair->problem().empty()) {
+            const StoredGeodesic* const pair = data.geodesic(data.index(all.kept[i], all.kept[j]));
+            if (pair != nullptr && !pair->problem().empty()) {
                 model.trust.not_converged.push_back({number(i), number(j), pair->problem()});
             }
         }
@@ -131,10 +132,10 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     for (std::size_t i = 0; i < data.shapes.size(); ++i) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
             const std::size_t p = data.index(i, j);
-            if (!data.pairs[p] || !data.backward[p] || !data.distances.known(i, j)) continue;
-            const auto& first_to_second = data.first_is_a[p] ? *data.pairs[p] : *data.backward[p];
-            const auto& second_to_first = data.first_is_a[p] ? *data.backward[p] : *data.pairs[p];
-            input.directed.push_back({i, j, first_to_second.path_length, second_to_first.path_length});
+            const StoredGeodesic *there = data.geodesic(p), *back = data.backward_geodesic(p);
+            if (there == nullptr || back == nullptr || !data.distances.known(i, j)) continue;
+            if (!data.first_is_a[p]) std::swap(there, back);
+            input.directed.push_back({i, j, there->path_length, back->path_length});
         }
     }
     input.directed.insert(input.directed.end(), data.given_directions.begin(), data.given_directions.end());
@@ -160,7 +161,8 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     }
     for (const an::TreeResult& tree : all.trees) model.linkages.push_back(tree_of(tree));
     for (const an::ClusterResult& c : all.clusterings) {
-        model.clusterings.push_back({c.method, c.cut, ints(c.clusters), ints(c.medoids), c.mean_silhouette});
+        model.clusterings.push_back({c.method, c.cut, ints(c.clusters), ints(c.medoids), c.mean_silhouette,
+                                     an::adjusted_rand(c.clusters, all.clusterings.front().clusters)});
     }
     for (const an::EmbeddingResult& e : all.embeddings) {
         model.embeddings.push_back({e.method, number(e.embedding.dimensions), e.embedding.coordinates, e.stress,

@@ -51,12 +51,16 @@ Json picture_json(const Picture& p) {
 }
 
 /// The model with its pictures, as far as they fit. Beyond about 1100 shapes the page keeps four digits and leaves the
-/// error bars of all pairs to pairs.csv, so that it can still be mailed.
+/// error bars of all pairs to pairs.csv and the fitted distances of maps to report.json, so that it can still be
+/// mailed.
 Json page_json(const ReportModel& model) {
     const bool huge = model.distances.size() > 600'000;
     Json data = model_json(model, huge ? 4 : 6);
     data["errors_left_out"] = huge && !model.errors.empty();
-    if (huge) data["errors"] = Json::array();
+    if (huge) {
+        data["errors"] = Json::array();
+        for (Json& map : data["embeddings"]) map["disparities"] = Json::array();
+    }
     std::size_t size = assets::script.size() + assets::style.size() + assets::skeleton.size();
     for (const auto& [key, value] : data.items()) {
         if (key != "paths") size += value.dump(-1, ' ', false, Json::error_handler_t::replace).size();

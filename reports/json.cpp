@@ -106,6 +106,7 @@ Json trust_json(const Trust& t) {
     result["close_clusters"] = list(t.close_clusters, [](const CloseClusters& c) {
         return Json{{"first", c.first}, {"second", c.second}, {"gap", number(c.gap)}, {"error", number(c.error)}};
     });
+    result["graph_correlation"] = number(t.graph_correlation);
     result["remarks"] = t.remarks;
     return result;
 }
@@ -195,6 +196,7 @@ Json model_json(const ReportModel& m, int digits) {
         return Json{{"a", f.a}, {"b", f.b}, {"reason", f.reason}};
     });
     result["warnings"] = m.warnings;
+    result["pictures_at_one_scale"] = m.pictures_at_one_scale;
     result["shapes"] = list(m.shapes, [](const ReportShape& s) {
         return Json{{"name", s.name}, {"label", s.label}, {"volume", number(s.volume)}, {"notes", s.notes}};
     });
@@ -207,7 +209,8 @@ Json model_json(const ReportModel& m, int digits) {
                     {"cut", c.cut},
                     {"assignment", c.assignment},
                     {"medoids", c.medoids},
-                    {"silhouette", number(c.silhouette)}};
+                    {"silhouette", number(c.silhouette)},
+                    {"agreement", number(c.agreement)}};
     });
     result["embeddings"] = list(m.embeddings, [&](const Embedding& e) {
         return Json{{"method", e.method},
@@ -216,6 +219,13 @@ Json model_json(const ReportModel& m, int digits) {
                     {"stress", number(e.stress)},
                     {"stress_per_shape", numbers(e.stress_per_shape, digits)},
                     {"disparities", numbers(e.disparities, digits)}};
+    });
+    result["placed"] = list(m.placed, [&](const PlacedQuery& q) {
+        return Json{{"name", q.name},
+                    {"nearest", q.nearest < 0 ? Json(nullptr) : Json(q.nearest)},
+                    {"distance", number(q.distance)},
+                    {"positions", list(q.positions, [&](const auto& p) { return numbers(p, digits); })},
+                    {"stress", numbers(q.stress, digits)}};
     });
     result["spanning_tree"] = list(m.spanning_tree, edge_json);
     result["neighbour_graph"] = list(m.neighbour_graph, edge_json);

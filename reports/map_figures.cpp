@@ -168,11 +168,25 @@ double picture_size(std::size_t n) {
 
 Figure embedding_figure(const FigureStudy& s, const Embedding& e) {
     const double picture = picture_size(s.n);
-    const auto l = layout(e, s.n, 760, 640, picture + 14);
+    Embedding all = e;  // the shapes, then the queries placed among them
+    std::vector<std::string> queries;
+    const auto map = static_cast<std::size_t>(&e - s.m.embeddings.data());
+    for (const PlacedQuery& query : s.m.placed) {
+        const std::vector<double>& position = query.positions[map];
+        all.coordinates.insert(all.coordinates.end(), position.begin(), position.end());
+        if (!position.empty()) queries.push_back(query.name);
+    }
+    auto l = layout(all, s.n + queries.size(), 760, 640, picture + 14);
+    std::erase_if(l.drawn, [&](std::size_t i) { return i >= s.n; });
     Svg svg(850, l.height + 100);
     svg.open_group(64, 14);
     if (e.dimension == 2) draw_axes(svg, l.across, l.up, "unit of the distances", "");
     draw_graph(svg, s, l, s.m.spanning_tree, picture, false);
+    for (std::size_t q = 0; q < queries.size(); ++q) {
+        const double x = l.across(l.x[s.n + q]), y = l.up(l.y[s.n + q]), r = 8;
+        svg.area({{{x, y - r}, {x + r, y}, {x, y + r}, {x - r, y}}}, "#c2410c", "#ffffff", 1.5);
+        svg.text(x, y - 15, queries[q], 10, "middle", ink, true, "#ffffff");
+    }
     svg.close_group();
     draw_legend(svg, s, 64, l.height + 66, 760);
     const std::string title = e.method + " in " + std::to_string(e.dimension) + " dimensions" +

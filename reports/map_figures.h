@@ -7,6 +7,7 @@ namespace morphodesic::reports {
 
 // Figures of the shapes at places: maps and graphs. Private to the figures.
 
+/// @param e  one of the study's embeddings
 [[nodiscard]] Figure embedding_figure(const FigureStudy& s, const Embedding& e);
 /// The neighbour graph (else the spanning tree) on the map.
 [[nodiscard]] Figure graph_figure(const FigureStudy& s, const Embedding& flat);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "reports/report.h"
@@ -30,6 +31,15 @@ public:
             length(e.method + " coordinates", e.coordinates.size(), n_ * static_cast<std::size_t>(e.dimension), false);
             length(e.method + " stress_per_shape", e.stress_per_shape.size(), n_, true);
             length(e.method + " disparities", e.disparities.size(), pairs, true);
+        }
+        for (const auto& q : model_.placed) {
+            if (q.nearest != -1) all_shapes("nearest shape of a placed query", {q.nearest});
+            length("positions of a placed query", q.positions.size(), model_.embeddings.size(), false);
+            length("stress of a placed query", q.stress.size(), model_.embeddings.size(), false);
+            for (std::size_t m = 0; m < std::min(q.positions.size(), model_.embeddings.size()); ++m) {
+                const auto dimension = static_cast<std::size_t>(model_.embeddings[m].dimension);
+                length("position of a placed query", q.positions[m].size(), dimension, true);
+            }
         }
         for (const auto& e : model_.spanning_tree) pair("spanning tree", e.a, e.b);
         for (const auto& e : model_.neighbour_graph) pair("neighbour graph", e.a, e.b);

@@ -62,15 +62,25 @@ struct Clustering {
     std::vector<int> assignment;  ///< [n] cluster 0 .. k-1 of every shape
     std::vector<int> medoids;     ///< [k] shape that stands for the cluster
     double silhouette = unknown;  ///< mean over all shapes
+    double agreement = unknown;   ///< adjusted Rand index with ReportModel::clusterings[0]
 };
 
 struct Embedding {
-    std::string method;                    ///< "classical MDS", "SMACOF", "non-metric SMACOF"
+    std::string method;                    ///< "SMACOF", "non-metric SMACOF", "classical MDS", "Isomap"
     int dimension = 2;                     ///< 2 or 3
     std::vector<double> coordinates;       ///< [n x dimension], shape by shape; NaN: shape without distances
     double stress = unknown;               ///< normalised stress-1 (Kruskal)
     std::vector<double> stress_per_shape;  ///< [n], shares of the stress
     std::vector<double> disparities;  ///< condensed, fitted distances of a non-metric embedding; empty: the distances
+};
+
+/// A further shape, placed in the maps by its distances; it is not part of the study.
+struct PlacedQuery {
+    std::string name;
+    int nearest = -1;                            ///< nearest shape of the study; -1: none of its distances is known
+    double distance = unknown;                   ///< to that shape
+    std::vector<std::vector<double>> positions;  ///< [maps] of ReportModel::embeddings, empty where it has no place
+    std::vector<double> stress;                  ///< [maps] misfit of its distances, as stress-1
 };
 
 struct Edge {
@@ -148,7 +158,8 @@ struct Trust {
     unsigned long seed = 0;
     std::vector<PairRemark> not_converged;
     std::vector<CloseClusters> close_clusters;
-    std::vector<std::string> remarks;  ///< further sentences for the reader
+    double graph_correlation = unknown;  ///< Spearman, distances against path lengths in the neighbour graph
+    std::vector<std::string> remarks;    ///< further sentences for the reader
 };
 
 /// One shape of a path.
@@ -242,6 +253,7 @@ struct ReportModel {
     std::vector<Failure> failures;
     std::vector<std::string> warnings;  ///< what makes the whole study doubtful; shown first
 
+    bool pictures_at_one_scale = true;  ///< false: every thumbnail is filled by its shape
     std::vector<ReportShape> shapes;
     std::vector<double> distances;        ///< condensed; NaN: no trustworthy distance
     std::vector<double> errors;           ///< condensed error bars; may be empty
@@ -249,6 +261,7 @@ struct ReportModel {
     std::vector<LinkageTree> linkages;    ///< the first one is shown first
     std::vector<Clustering> clusterings;  ///< the first one gives the cluster colours
     std::vector<Embedding> embeddings;
+    std::vector<PlacedQuery> placed;
     std::vector<Edge> spanning_tree;
     std::vector<Edge> neighbour_graph;
     int graph_neighbours = 0;                  ///< k of neighbour_graph

@@ -15,7 +15,6 @@
 #include "pipeline/exports.h"
 #include "pipeline/given_matrix.h"
 #include "pipeline/pair_graph.h"
-#include "pipeline/placed_queries.h"
 #include "pipeline/report_provenance.h"
 #include "pipeline/stop_signals.h"
 
@@ -105,35 +104,18 @@ private:
     }
 };
 
-/// What only some analyses have: another study beside this one, and queries placed in its maps.
-void add_findings(const StudyOptions& options, const Subject& subject, AnalysedStudy& analysed, Summary& summary) {
-    if (!options.compare.empty()) {
-        set_beside(subject.data, options, analysed.model);
-        char text[160];
-        std::snprintf(text, sizeof text,
-                      "%d pairs in common; Spearman correlation %.4f, %.1f %% of the neighbours agree",
-                      analysed.model.compare->common_pairs, analysed.model.compare->spearman,
-                      100 * analysed.model.compare->mean_overlap);
-        summary.lines.emplace_back(text);
-    }
-    if (!options.place.empty()) {
-        const std::vector<QueryRow> queries = read_queries(options.place, analysed.analysis.labels);
-        subject.folder.write("placed.csv", placed_csv(analysed.analysis, queries));
-        summary.data["placed"] = queries.size();
-        summary.lines.push_back(std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries") +
-                                " placed in the maps: placed.csv");
-    }
-    if (is_table(options)) add_provenance_of_table(options, subject.folder, analysed.model);
-}
-
-int report_of_table(const StudyOptions& options) {
+/// Analyses a study or a table, writes the tables of results, and then what `write` makes of it.
+/// @param write  called with subject, model and summary
+template <class Write>
+int analyse_and(const StudyOptions& options, const Write& write) {
     const Subject subject(options);
     Summary summary = summary_of(subject.data, subject.folder);
     AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
     if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
-    add_findings(options, subject, analysed, summary);
+    add_findings(subject.data, options, subject.folder, analysed, summary);
+    if (is_table(options)) add_provenance_of_table(options, subject.folder, analysed.model);
     export_tables(subject.data, analysed, subject.folder);
-    write_report(analysed.model, subject.folder, summary);
+    write(subject, analysed.model, summary);
     return summary.print(options.common);
 }
 
@@ -143,24 +125,23 @@ int analyze(const StudyOptions& options) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(options.common)));
     check_sources(options);
-    const Subject subject(options);
-    Summary summary = summary_of(subject.data, subject.folder);
-    AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
-    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
-    add_findings(options, subject, analysed, summary);
-    export_tables(subject.data, analysed, subject.folder);
-    subject.folder.write("analysis.json", reports::to_json(analysed.model));
-    summarise(analysed.model, summary);
-    summary.lines.push_back("Tables: " + subject.folder.path().string());
-    summary.add_failures(subject.data.failures);
-    return summary.print(options.common);
+    return analyse_and(options, [](const Subject& subject, const reports::ReportModel& model, Summary& summary) {
+        subject.folder.write("analysis.json", reports::to_json(model));
+        summarise(model, summary);
+        summary.lines.push_back("Tables: " + subject.folder.path().string());
+        summary.add_failures(subject.data.failures);
+    });
 }
 
 int report(const StudyOptions& options) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(options.common)));
     check_sources(options);
-    if (is_table(options)) return report_of_table(options);
+    if (is_table(options)) {
+        return analyse_and(options, [](const Subject& subject, const reports::ReportModel& model, Summary& summary) {
+            write_report(model, subject.folder, summary);
+        });
+    }
     const StudyFolder folder(options.study);
     if (!std::filesystem::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
     const StudyLock lock(folder);

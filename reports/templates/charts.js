@@ -14,6 +14,7 @@ const family = getComputedStyle(document.body).fontFamily;
 const chartConfig = {
     background: null,
     font: family,
+    text: {font: family},
     axis: {
         domainColor: 'var(--line)',
         tickColor: 'var(--line)',
@@ -57,12 +58,12 @@ async function draw(container, spec, description) {
     return view;
 }
 
-const groupScale = {
+const groupScale = () => ({
     name: 'group',
     type: 'ordinal',
-    domain: groupNames,
-    range: {scheme: groupNames.length > 10 ? 'tableau20' : 'tableau10'}
-};
+    domain: grouping.names,
+    range: {scheme: grouping.names.length > 10 ? 'tableau20' : 'tableau10'}
+});
 const groupLegend = title => ({
     fill: 'group',
     title,

@@ -53,7 +53,51 @@ function labelPlaces(edges, points, perUnit, picture) {
     });
 }
 
+/// Diamonds with names: shapes that are not part of the study, at their places.
+function queryMarks(named) {
+    const at = {x: {scale: 'x', field: 'px'}, y: {scale: 'y', field: 'py'}};
+    const name = kind => ({
+        type: 'text',
+        from: {data: 'queries'},
+        interactive: false,
+        aria: false,
+        encode: {
+            update: {
+                ...at,
+                dy: {value: -16},
+                text: {field: 'name'},
+                limit: {value: 140},
+                align: {value: 'center'},
+                fontSize: {value: 11},
+                fontWeight: {value: 600},
+                fill: {value: kind === 'halo' ? null : 'var(--ink)'},
+                stroke: {value: kind === 'halo' ? 'var(--paper)' : null},
+                strokeWidth: {value: 4}
+            }
+        }
+    });
+    const diamond = {
+        name: 'query',
+        type: 'symbol',
+        from: {data: 'queries'},
+        aria: false,
+        encode: {
+            update: {
+                ...at,
+                shape: {value: 'diamond'},
+                size: {value: 190},
+                fill: {value: 'var(--accent)'},
+                stroke: {value: 'var(--paper)'},
+                strokeWidth: {value: 1.5},
+                tooltip: {field: 'name'}
+            }
+        }
+    };
+    return named ? [diamond, name('halo'), name('text')] : [diamond];
+}
+
 /// Shapes at their places in the plane, or in space seen from an angle, with the edges of a graph.
+/// options.queries: numbers in data.placed and places in this map, {i, at}
 function embeddingSpec(embedding, edges, size, options) {
     const d = embedding.dimension, at = (i, a) => a < d ? embedding.coordinates[i * d + a] : 0;
     const shapes = [];
@@ -69,13 +113,16 @@ function embeddingSpec(embedding, edges, size, options) {
                          0;
     };
     const c = [0, 1, 2].map(centre);
-    shapes.forEach(p => {
+    const queries = (options.queries || [])
+                        .map(q => ({x: q.at[0], y: q.at[1], z: d === 3 ? q.at[2] : 0, name: shown(data.placed[q.i].name)}));
+    const points = shapes.concat(queries);
+    points.forEach(p => {
         p.x -= c[0];
         p.y -= c[1];
         p.z -= c[2];
     });
     let reach = [0, 0];
-    shapes.forEach(p => {
+    points.forEach(p => {
         reach = d === 3 ? reach.map(r => Math.max(r, Math.hypot(p.x, p.y, p.z))) :
                           [Math.max(reach[0], Math.abs(p.x)), Math.max(reach[1], Math.abs(p.y))];
     });
@@ -103,6 +150,12 @@ function embeddingSpec(embedding, edges, size, options) {
         }] :
                       []
     });
+    const seen = [
+        {type: 'formula', as: 'px', expr: 'datum.x * cos(yaw) + datum.z * sin(yaw)'},
+        {type: 'formula', as: 'pz', expr: 'datum.z * cos(yaw) - datum.x * sin(yaw)'},
+        {type: 'formula', as: 'py', expr: 'datum.y * cos(pitch) - datum.pz * sin(pitch)'},
+        {type: 'formula', as: 'depth', expr: 'datum.y * sin(pitch) + datum.pz * cos(pitch)'}
+    ];
     const begin = axis => ({name: axis + 'Start', value: 0, on: [{events: '@back:mousedown', update: axis}]});
     const chosen = 'datum.i === first || datum.i === second || datum.i === over';
     const rim = [{test: chosen, value: accent}, {scale: 'group', field: 'group'}];
@@ -178,24 +231,14 @@ function embeddingSpec(embedding, edges, size, options) {
             {name: 'first', value: null}, {name: 'second', value: null}, {name: 'picture', value: picture}
         ],
         data: [
-            {
-                name: 'shapes',
-                values: shapes,
-                transform: [
-                    {type: 'formula', as: 'px', expr: 'datum.x * cos(yaw) + datum.z * sin(yaw)'},
-                    {type: 'formula', as: 'pz', expr: 'datum.z * cos(yaw) - datum.x * sin(yaw)'},
-                    {type: 'formula', as: 'py', expr: 'datum.y * cos(pitch) - datum.pz * sin(pitch)'},
-                    {type: 'formula', as: 'depth', expr: 'datum.y * sin(pitch) + datum.pz * cos(pitch)'}
-                ]
-            },
-            {
+            {name: 'shapes', values: shapes, transform: seen}, {name: 'queries', values: queries, transform: seen}, {
                 name: 'edges',
                 values: drawn.map((e, k) => ({a: e.a, b: e.b, length: e.length, t: along[k]})),
                 transform: [{type: 'lookup', from: 'shapes', key: 'i', fields: ['a', 'b'], as: ['A', 'B']}]
             }
         ],
         scales: [
-            groupScale, {name: 'x', domain: range(width), range: [0, width], zero: false, nice: false},
+            groupScale(), {name: 'x', domain: range(width), range: [0, width], zero: false, nice: false},
             {name: 'y', domain: range(height), range: [height, 0], zero: false, nice: false}
         ],
         axes: d === 3 || options.labels ?
@@ -204,7 +247,7 @@ function embeddingSpec(embedding, edges, size, options) {
                 {orient: 'bottom', scale: 'x', tickCount: 6, grid: true, title: 'unit of the distances'},
                 {orient: 'left', scale: 'y', tickCount: 5, grid: true}
             ],
-        legends: groupNames.length > 1 && groupNames.length <= 36 ? [groupLegend(byClass ? 'class' : 'cluster')] : [],
+        legends: grouping.names.length > 1 && grouping.names.length <= 36 ? [groupLegend(grouping.title)] : [],
         marks:
             [
                 {
@@ -240,6 +283,7 @@ function embeddingSpec(embedding, edges, size, options) {
                 options.pictures ? disc : dot
             ]
                 .concat(
+                    queries.length ? queryMarks(queries.length <= 40) : [],
                     options.labels ?
                         [].concat(
                             ['halo', 'text'].map(

@@ -172,7 +172,7 @@ function heatMapSpec(order, tree, room, numbers) {
             {name: 'cells', values: cells}
         ].concat(tree ? [{name: 'tree', values: treeSegments(tree)}] : []),
         scales: [
-            groupScale, {name: 'colour', type: 'linear', domain: [0, top || 1], range: {scheme: 'viridis'}},
+            groupScale(), {name: 'colour', type: 'linear', domain: [0, top || 1], range: {scheme: 'viridis'}},
             {name: 'row', type: 'band', domain: order.map((_, k) => k), range: [0, size]}
         ],
         axes: named ? [{
@@ -254,7 +254,7 @@ function dendrogramSpec(tree, room, title) {
             {name: 'tree', values: treeSegments(tree)},
             {name: 'leaves', values: tree.leaf_order.map((i, k) => ({k, url: pictureUrl(i), group: groupOf(i)}))}
         ],
-        scales: [groupScale],
+        scales: [groupScale()],
         marks: [
             treeGroup(0, 146, cell, 'height'), {
                 type: 'rect',

@@ -44,7 +44,7 @@ function pairPanel() {
     return el(
         'section', {id: 'pair', 'aria-labelledby': 'pair-title'},
         el('h2', {id: 'pair-title'}, data.given_matrix ? 'Two shapes' : 'Geodesic between two shapes'),
-        el('p', {class: 'hint'}, 'Click a cell of the matrix, or two shapes one after the other, or choose here.'),
+        el('p', {class: 'hint screen'}, 'Click a cell of the matrix, or two shapes one after the other, or choose here.'),
         el('div', {class: 'fields'}, shapeSelect('pair-a', 'From', 'a'),
            el('button', {
                type: 'button',
@@ -74,7 +74,7 @@ function renderPair() {
     };
     const remark = data.trust.not_converged.find(p => (p.a === a && p.b === b) || (p.a === b && p.b === a));
     body.replaceChildren(
-        ...[el('div', {class: 'duel'}, el('figure', {}, thumbnail(a, 72), el('figcaption', {}, nameOf(a))),
+        ...[el('div', {class: 'duel'}, el('figure', {}, thumbnail(a, 72), el('figcaption', {}, breakable(nameOf(a)))),
                el('p', {class: 'big'},
                   el('span', {class: 'number'}, known(distance(a, b)) ? num(distance(a, b), 4) : '–'),
                   known(errorOf(a, b)) && known(distance(a, b)) ?
@@ -84,7 +84,7 @@ function renderPair() {
                      isEstimate(a, b)      ? 'estimate from coarse grids' :
                          known(distance(a, b)) ? distanceName :
                                                  'no trustworthy distance')),
-               el('figure', {}, thumbnail(b, 72), el('figcaption', {}, nameOf(b)))),
+               el('figure', {}, thumbnail(b, 72), el('figcaption', {}, breakable(nameOf(b))))),
             el('p', {class: 'hint'},
                `Among the neighbours of the first shape the second is number ${rank(a, b)}; the other way round ${
                    rank(b, a)}.`),

@@ -90,7 +90,7 @@ function barSpec(values, room, title, horizontal, colours, itemTitle) {
         autosize: 'pad',
         data: [{name: 'items', values}],
         scales: [
-            groupScale, {
+            groupScale(), {
                 name: 'item',
                 type: 'band',
                 domain: {data: 'items', field: 'k'},
@@ -113,6 +113,8 @@ function barSpec(values, room, title, horizontal, colours, itemTitle) {
                 ticks: false,
                 domain: false,
                 labelLimit: 120,
+                labelPadding: 4,
+                labelFontSize: horizontal ? Math.min(11, step - 1) : 11,
                 title: itemTitle || null,
                 encode: {labels: {update: {text: {signal: 'names[datum.value]'}}}}
             }] :

@@ -43,13 +43,13 @@ function classSection() {
                       (i, k) =>
                           el('li', {}, thumbnail(i, 72),
                              el('strong', {}, shown(data.classes[0].classes[k] || data.shapes[i].label)),
-                             el('span', {}, nameOf(i)))))) :
+                             el('span', {}, breakable(nameOf(i))))))) :
             null);
 }
 
 function confusionTable(c) {
     const made = table(
-        `Confusion matrix (${c.name}): rows are the true classes, columns the class of the nearest neighbour`,
+        `Confusion matrix: ${shown(c.name)}`,
         ['class', ...c.classes.map(n => '#' + shown(n))], c.confusion.map((row, r) => [shown(c.classes[r]), ...row]),
         {class: 'confusion'});
     made.querySelectorAll('tbody tr').forEach((tr, r) => {
@@ -60,7 +60,9 @@ function confusionTable(c) {
             td.classList.add(k === r ? 'right' : share > 0 ? 'wrong' : 'none');
         });
     });
-    return el('details', {open: c.classes.length <= 15}, el('summary', {}, `Confusion matrix: ${shown(c.name)}`), made);
+    return el(
+        'details', {open: c.classes.length <= 15}, el('summary', {}, `Confusion matrix: ${shown(c.name)}`),
+        el('p', {class: 'hint'}, 'Rows are the true classes, columns the class of the nearest neighbour.'), made);
 }
 
 function trustSection() {
@@ -80,6 +82,10 @@ function trustSection() {
     if (t.perturbations)
         verdicts.push(`With distances moved within their error bars (${t.perturbations} runs, seed ${
             t.seed}) the clusters agree with those shown: adjusted Rand index ${num(t.stability_rand)}.`);
+    if (known(t.graph_correlation) && data.graph_neighbours)
+        verdicts.push(`Path lengths along the graph of the ${
+            plural(data.graph_neighbours, 'nearest neighbour')} rank the pairs as the distances do: rank correlation ${
+            num(t.graph_correlation)}.`);
     t.close_clusters.forEach(
         c => verdicts.push(`Clusters ${c.first + 1} and ${c.second + 1} lie ${
             num(c.gap)} apart, which is less than the error ${num(c.error)}: do not tell them apart.`));
@@ -215,8 +221,8 @@ function volumeSection() {
            `Rank correlation between geodesic distance and difference of ${word}: ${
                num(v.rank_correlation)}; agreement of the clusters (adjusted Rand index): ${num(v.adjusted_rand)}.`),
         el('p', {},
-           moved.length ? `Placed differently by distance and by ${word}: ${
-                              moved.slice(0, 40).map(nameOf).join(', ')}${moved.length > 40 ? ', …' : ''}.` :
+           moved.length ? `Placed differently by distance and by ${word}: ${moved.length} of ${plural(count, 'shape')}, ${
+                              moved.slice(0, 12).map(nameOf).join(', ')}${moved.length > 12 ? ', …' : ''}.` :
                           `Both put the same shapes together.`),
         el('div', {class: 'two'}, left, right),
         el('details', {open: count <= 30}, el('summary', {}, 'Clusters as a table'),
@@ -280,10 +286,12 @@ function repeatSection() {
         el('div', {class: 'two'},
            data.settings.length ? table(
                                       'Settings', ['name', 'value', 'meaning'],
-                                      data.settings.map(s => [shown(s.name), shown(s.value), shown(s.description)])) :
+                                      data.settings.map(s => [shown(s.name), shown(s.value), shown(s.description)]),
+                                      {class: 'stack'}) :
                                   null,
            data.versions.length ? table(
                                       'Versions', ['component', 'version', ''],
-                                      data.versions.map(s => [shown(s.name), shown(s.value), shown(s.description)])) :
+                                      data.versions.map(s => [shown(s.name), shown(s.value), shown(s.description)]),
+                                      {class: 'stack'}) :
                                   null));
 }

@@ -10,7 +10,7 @@ function shapeLink(i, size) {
     return el(
         'button',
         {type: 'button', class: 'shape', 'data-shape': i, click: () => pickShape(i), title: 'Choose for the pair'},
-        size ? thumbnail(i, size, true) : null, el('span', {}, nameOf(i)));
+        size ? thumbnail(i, size, true) : null, el('span', {}, breakable(nameOf(i))));
 }
 
 /// First click: one shape is waiting; second click on another one: the pair is chosen.
@@ -63,14 +63,24 @@ function matrixSection() {
     if (count < 2) return null;
     const orders = data.linkages.map((t, k) => [`tree${k}`, `${t.method} linkage, leaf order`]);
     if (labels.length) orders.push(['label', 'class']);
-    if (clusters) orders.push(['cluster', 'cluster']);
+    data.clusterings.forEach((c, k) => orders.push([`cluster${k}`, `clusters, ${shown(c.method)}`]));
     orders.push(['name', 'name']);
     const box = chartBox(
         'matrix-chart',
         {tabindex: '0', role: 'group', 'aria-label': 'Distance matrix. Arrow keys move, Enter chooses the pair.'});
     const chooser =
         el('select', {id: 'matrix-order', change: drawMatrix}, orders.map(([v, t]) => el('option', {value: v}, t)));
-    const tip = el('div', {id: 'tip', class: 'tip', hidden: true});
+    const colours =
+        el('select', {
+            id: 'colours',
+            change: () => {
+                grouping = groupings[Number(colours.value)];
+                strips.textContent = grouping.title;
+                drawAll();
+            }
+        },
+           groupings.map((g, k) => el('option', {value: k}, g.title)));
+    const strips = el('span', {}, grouping.title), tip = el('div', {id: 'tip', class: 'tip', hidden: true});
     function orderNow() {
         const all = [...Array(count).keys()], by = f => all.sort((i, j) => {
             const x = f(i), y = f(j);
@@ -82,7 +92,10 @@ function matrixSection() {
             return [tree.leaf_order, tree.merges.length ? tree : null];
         }
         if (value === 'label') return [by(i => data.shapes[i].label || '\uffff'), null];
-        if (value === 'cluster') return [by(i => clusters[i]), null];
+        if (value.startsWith('cluster')) {
+            const {assignment} = data.clusterings[Number(value.slice(7))];
+            return [by(i => assignment[i]), null];
+        }
         return [by(nameOf), null];
     }
     let cursor = null, order = [], view = null;
@@ -149,32 +162,58 @@ function matrixSection() {
     const coph = data.linkages.filter(t => known(t.cophenetic_correlation))
                      .map(t => `${t.method} ${num(t.cophenetic_correlation)}`);
     return section(
-        'matrix', 'Distance matrix', el('div', {class: 'fields'}, el('label', {class: 'field'}, 'Order', chooser)), box,
+        'matrix', 'Distance matrix', el('div', {class: 'fields'}, el('label', {class: 'field'}, 'Order', chooser),
+           groupings.length > 1 ? el('label', {class: 'field'}, 'Colours', colours) : null),
+        box,
         el('p', {class: 'hint'},
-           'Dark is near. Grey cells have no trustworthy distance. The strips along the sides show ' +
-               (byClass ? 'the classes' : 'the clusters') + '.' +
-               (coph.length ? ` Cophenetic correlation: ${coph.join(', ')}.` : '')),
-        clusterTable());
+           'Dark is near. Grey cells have no trustworthy distance. The strips along the sides show: ', strips, '.' +
+               (coph.length ? ` Cophenetic correlation: ${coph.join(', ')}.` : '') +
+               (data.pictures_at_one_scale ? '' : ' The small pictures are not at one scale: each shape fills its own.')),
+        data.clusterings.map((_, k) => clusterTable(k)));
 }
 
-function clusterTable() {
-    if (!clusters) return null;
-    const c = data.clusterings[0], numbers = [...new Set(clusters)].sort((x, y) => x - y);
-    const stability = new Map(data.trust.stability.map(s => [s.cluster, s.jaccard]));
+/// The members of one clustering; how stable clusters are is known of the first one only.
+function clusterTable(which) {
+    const c = data.clusterings[which], of = c.assignment, numbers = [...new Set(of)].sort((x, y) => x - y);
+    const stability = new Map(which ? [] : data.trust.stability.map(s => [s.cluster, s.jaccard]));
     return el(
-        'details', {open: count <= 60},
+        'details', {open: count <= 60 && which === 0, class: 'clusters'},
         el('summary', {}, `${plural(numbers.length, 'cluster')}: ${shown(c.method)}, ${shown(c.cut)}`),
         table(
-            'Clusters' + (known(c.silhouette) ? `, mean silhouette ${num(c.silhouette)}` : ''),
-            ['cluster', '#size', 'stands for it', 'members', '#stability'], numbers.map(k => {
-                const members = [...Array(count).keys()].filter(i => clusters[i] === k);
+            `Clusters by ${shown(c.method)}` + (known(c.silhouette) ? `, mean silhouette ${num(c.silhouette)}` : '') +
+                (which && known(c.agreement) ?
+                     `, adjusted Rand index with ${shown(data.clusterings[0].method)} ${num(c.agreement)}` :
+                     ''),
+            ['#cluster', '#size', ...(stability.size ? ['#stability'] : []), 'stands for it', 'members'],
+            numbers.map(k => {
+                const members = [...Array(count).keys()].filter(i => of[i] === k);
                 return [
-                    k + 1, members.length, c.medoids.length ? shapeLink(c.medoids[k], 40) : '–',
+                    k + 1, members.length, ...(stability.size ? [num(stability.get(k))] : []),
+                    c.medoids.length ? shapeLink(c.medoids[k], 40) : '–',
                     members.slice(0, 12).map(i => nameOf(i)).join(', ') +
-                        (members.length > 12 ? ` and ${members.length - 12} more` : ''),
-                    num(stability.get(k))
+                        (members.length > 12 ? ` and ${members.length - 12} more` : '')
                 ];
-            })));
+            }),
+            {class: 'stack'}));
+}
+
+/// Further shapes with a place in a map.
+const placedIn = map => data.placed.map((q, i) => ({i, at: q.positions[map]})).filter(q => q.at.length);
+
+function placedTable() {
+    if (!data.placed.length) return null;
+    const stress = q => q.stress.length ? num(q.stress[0]) : '–';
+    return table(
+        'Placed by their distances (diamonds in the map), not part of the study',
+        ['shape', '#distance to the nearest', '#misfit in the first map', 'its class', 'nearest'],
+        data.placed.map(q => {
+            const none = q.nearest === null;
+            return [
+                breakable(shown(q.name)), num(q.distance, 4), stress(q), none ? '–' : shown(data.shapes[q.nearest].label),
+                none ? '–' : shapeLink(q.nearest, 40)
+            ];
+        }),
+        {class: 'stack'});
 }
 
 function embeddingSection() {
@@ -191,13 +230,15 @@ function embeddingSection() {
         el('select', {id: 'embedding-edges', change: redraw},
            graphs.map(([v, t], k) => el('option', {value: v, selected: k === 1 && count <= 150}, t)));
     const pictures = el('input', {type: 'checkbox', id: 'embedding-pictures', checked: count <= 300, change: redraw});
+    let sized = false;
     const size = el('input', {
         type: 'range',
         min: 10,
         max: 72,
-        value: Math.round(Math.max(16, Math.min(44, 260 / Math.sqrt(count)))),
+        value: 0,
         'aria-label': 'Size of the pictures',
         input: () => {
+            sized = true;
             if (box.chart) box.chart.signal('picture', Number(size.value)).runAsync();
         }
     });
@@ -216,13 +257,17 @@ function embeddingSection() {
     async function redraw() {
         const e = data.embeddings[Number(chooser.value)];
         turns.hidden = e.dimension !== 3;
+        if (!sized) {  // as large as the room allows, until the reader decides
+            size.value = Math.round(Math.max(12, Math.min(44, 0.32 * (box.clientWidth || 600) / Math.sqrt(count))));
+        }
         facts.textContent = `${e.method} in ${e.dimension} dimensions` +
-            (known(e.stress) ? `, stress ${num(e.stress)}` : '') + '.' + (e.dimension === 3 ? ' Drag to turn.' : '');
+            (known(e.stress) ? `, stress ${num(e.stress)}` : '') + '.' + (e.dimension === 3 ? ' Drag to turn.' : '') +
+            (data.pictures_at_one_scale ? '' : ' Each shape fills its picture, whatever its size.');
         const view = await draw(
             box,
             embeddingSpec(
                 e, graphs.find(g => g[0] === edges.value)[2], Math.min(900, (box.clientWidth || 600) - 76),
-                {pictures: pictures.checked, picture: Number(size.value), labels: false}),
+                {pictures: pictures.checked, picture: Number(size.value), labels: false, queries: placedIn(chooser.value)}),
             `Map of the ${count} shapes in ${
                 e.dimension} dimensions; near in the picture means near in shape space. The nearest neighbours are in the table below.`);
         view.addSignalListener('pick', (_, p) => {
@@ -243,7 +288,7 @@ function embeddingSection() {
         el('div', {class: 'fields'}, el('label', {class: 'field'}, 'View', chooser),
            el('label', {class: 'field'}, 'Edges', edges), el('label', {class: 'field'}, pictures, 'Pictures'),
            el('label', {class: 'field'}, 'Size', size), turns),
-        box, facts, el('p', {id: 'pick', class: 'pick'}));
+        box, facts, el('p', {id: 'pick', class: 'pick'}), placedTable());
 }
 
 /// Small studies: the shapes as a labelled graph and a matrix with pictures and numbers, like Fig. 9 of the paper.

@@ -103,15 +103,28 @@ function geodesicCommand(a, b) {
     return words.concat(files).map(quoted).join(' ');
 }
 
-// ---- groups: classes if they are known, else clusters
+// ---- groups: what the colours show, classes if they are known, else clusters
 const labels = [...new Set(data.shapes.map(s => s.label).filter(l => l))].sort();
 const clusters = data.clusterings.length ? data.clusterings[0].assignment : null;
 const byClass = labels.length > 0 && labels.length < count;
-const groupNames = byClass ? labels.concat(data.shapes.some(s => !s.label) ? ['no class'] : []) :
-    clusters               ? [...new Set(clusters)].sort((x, y) => x - y).map(c => 'cluster ' + (c + 1)) :
-                             ['all'];
-const groupOf = i => byClass ? data.shapes[i].label || 'no class' : clusters ? 'cluster ' + (clusters[i] + 1) : 'all';
+const groupings = data.clusterings.map(({method, assignment}) => ({
+    title: `clusters, ${shown(method)}`,
+    names: [...new Set(assignment)].sort((x, y) => x - y).map(c => 'cluster ' + (c + 1)),
+    of: i => 'cluster ' + (assignment[i] + 1)
+}));
+if (byClass)
+    groupings.unshift({
+        title: 'classes',
+        names: labels.concat(data.shapes.some(s => !s.label) ? ['no class'] : []),
+        of: i => data.shapes[i].label || 'no class'
+    });
+if (!groupings.length) groupings.push({title: 'nothing', names: ['all'], of: () => 'all'});
+let grouping = groupings[0];
+const groupOf = i => grouping.of(i);
 const clusterOf = i => clusters ? clusters[i] + 1 : null;
+
+/// A name with places where a line may end.
+const breakable = text => text.split(/(?<=[/_.])/).flatMap((part, k) => k ? [el('wbr'), part] : [part]);
 
 function announce(text) { document.getElementById('live').textContent = text; }
 
@@ -127,16 +140,23 @@ function thumbnail(i, size, decorative) {
         {src: p.uri, width: size, height: size, class: 'thumb', alt: decorative ? '' : altOf(i), loading: 'lazy'});
 }
 
-/// A table with header cells; numeric columns are those whose title starts with "#".
+/// A table with header cells; numeric columns are those whose title starts with "#". With the class "stack" each row
+/// is a block on phones, whose last cell has a line of its own; roles keep it a table for screen readers there.
 function table(caption, heads, rows, attributes) {
     const numeric = heads.map(h => h.startsWith('#'));
-    const cell = (content, k) =>
-        k === 0 ? el('th', {scope: 'row'}, content) : el('td', {class: numeric[k] ? 'num' : null}, content);
+    const stacked = attributes && attributes.class === 'stack', role = name => stacked ? name : null;
+    const head = k => stacked && numeric[k] ? heads[k].slice(1) : null;
+    const cell = (content, k) => k === 0 ?
+        el('th', {scope: 'row', role: role('rowheader'), 'data-head': head(0)}, content) :
+        el('td', {class: numeric[k] ? 'num' : null, role: role('cell'), 'data-head': head(k)}, content);
     return el(
         'div', {class: 'scroll', tabindex: '0', role: 'group', 'aria-label': caption},
-        el('table', attributes || {}, el('caption', {}, caption),
-           el('thead', {},
-              el('tr', {},
-                 heads.map((h, k) => el('th', {scope: 'col', class: numeric[k] ? 'num' : null}, h.replace('#', ''))))),
-           el('tbody', {}, rows.map(r => el('tr', {}, r.map(cell))))));
+        el('table', {role: role('table'), ...attributes}, el('caption', {}, caption),
+           el('thead', {role: role('rowgroup')},
+              el('tr', {role: role('row')},
+                 heads.map(
+                     (h, k) => el(
+                         'th', {scope: 'col', role: role('columnheader'), class: numeric[k] ? 'num' : null},
+                         h.replace('#', ''))))),
+           el('tbody', {role: role('rowgroup')}, rows.map(r => el('tr', {role: role('row')}, r.map(cell))))));
 }

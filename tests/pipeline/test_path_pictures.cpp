@@ -41,6 +41,34 @@ TEST(ShapePicture, ASolidIsSeenAsItsShadow) {
     EXPECT_NEAR(covered(shape_picture(ball, pixels)) * pixel * pixel, std::numbers::pi * 0.09, 0.01);
 }
 
+/// How far the covered pixels reach from the middle of a square picture, as a share of its half width.
+double reach_in(const RgbaImage& image) {
+    double reach = 0.0;
+    for (int row = 0; row < image.width; ++row) {
+        for (int column = 0; column < image.width; ++column) {
+            const auto at = 4 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                 static_cast<std::size_t>(column));
+            if (image.pixels[at + 3] < 128) continue;
+            for (const int k : {row, column}) reach = std::max(reach, std::abs(2 * (k + 0.5) / image.width - 1));
+        }
+    }
+    return reach;
+}
+
+TEST(NearView, SmallShapesFillTheirPictures) {
+    for (const double radius : {0.08, 0.2}) {
+        const auto disk = datasets::ball<2>(DyadicGrid<2>(7), {0.5, 0.5}, radius);
+        EXPECT_NEAR(picture_reach<2>(disk), radius, 0.01);
+        EXPECT_NEAR(reach_in(shape_picture(disk, 96, near_view<2>({}, picture_reach<2>(disk)))), 0.87, 0.06) << radius;
+        const auto ball = datasets::ball<3>(DyadicGrid<3>(5), {0.5, 0.5, 0.5}, radius);
+        EXPECT_NEAR(reach_in(shape_picture(ball, 96, near_view<3>({}, picture_reach<3>(ball)))), 0.87,
+                    0.3 * 0.08 / radius)
+            << radius;
+    }
+    EXPECT_EQ(near_view<2>({}, 0.5).camera.zoom, 1.0);  // never from farther away
+    EXPECT_LT(near_view<2>({}, 0.0).camera.zoom, 20.0);
+}
+
 /// phi - id = m (x - c) in the middle of the cube (the boundary does not matter here).
 template <int Dim>
 Deformation<Dim> linear(const double (&m)[Dim][Dim]) {

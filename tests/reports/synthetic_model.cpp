@@ -152,7 +152,11 @@ ReportModel synthetic_model(const SyntheticStudy& study) {
     Clustering cut{"average linkage", "best silhouette", std::vector<int>(n), {}, 0.61};
     for (std::size_t i = 0; i < n; ++i) cut.assignment[i] = static_cast<int>(i) % study.classes;
     for (int c = 0; c < study.classes; ++c) cut.medoids.push_back(c);
-    m.clusterings = {cut};
+    Clustering medoids{"k-medoids", std::to_string(study.classes) + " clusters", cut.assignment, cut.medoids, 0.57,
+                       0.83};
+    if (n > 1) medoids.assignment[n - 1] = 0;
+    cut.agreement = 1.0;
+    m.clusterings = {cut, medoids};
     for (const int dimension : {2, 3}) {
         Embedding e{dimension == 2 ? "SMACOF" : "classical MDS",          dimension, {}, 0.08,
                     std::vector<double>(n, 1.0 / static_cast<double>(n)), {}};
@@ -161,6 +165,14 @@ ReportModel synthetic_model(const SyntheticStudy& study) {
                 e.coordinates.push_back(b.place()[static_cast<std::size_t>(a)] + uniform(-0.004, 0.004));
         }
         m.embeddings.push_back(e);
+    }
+    for (int q = 0; q < study.queries; ++q) {
+        PlacedQuery query{"query-" + std::to_string(q + 1) + ".png", q, 0.05, {}, {0.1, 0.08}};
+        for (const Embedding& e : m.embeddings) {
+            const auto first = e.coordinates.begin() + static_cast<std::ptrdiff_t>(q) * e.dimension;
+            query.positions.emplace_back(first, first + e.dimension);
+        }
+        m.placed.push_back(query);
     }
     std::vector<std::size_t> nearest(n, 0);
     std::vector<bool> joined(n, false);

@@ -13,6 +13,7 @@ struct SyntheticStudy {
     int frame_size = 96;  ///< pixels
     int frames = 9;
     bool labelled = true;
+    int queries = 0;  ///< further shapes in the maps, each beside the shape of its number
     int dimension = 2;
     unsigned seed = 1;
 };

@@ -74,6 +74,18 @@ TEST(Figures, HeatMapShowsTheColoursOfItsDistances) {
     EXPECT_FALSE(has(viridis(0.25)));
 }
 
+TEST(Figures, MapsShowPlacedQueries) {
+    auto model = tests::synthetic_model({.shapes = 8, .classes = 2, .paths = 0, .queries = 2});
+    model.placed[1].name = tests::evil_names[0];
+    model.placed[1].positions[0].clear();  // it has a place in space only
+    for (const auto& f : figures(model)) {
+        const bool plane = f.name == "embedding_2d", space = f.name == "embedding_3d";
+        EXPECT_EQ(f.svg.find("query-1.png") != std::string::npos, plane || space) << f.name;
+        EXPECT_EQ(f.svg.find("onerror=alert(1)") != std::string::npos, space) << f.name;
+        EXPECT_EQ(f.svg.find("<img"), std::string::npos) << f.name;
+    }
+}
+
 TEST(Figures, LargeStudiesStaySmall) {
     const auto made = figures(tests::synthetic_model({.shapes = 300, .classes = 10, .paths = 0}));
     for (const auto& f : made) EXPECT_LT(f.svg.size(), 4'000'000U) << f.name;

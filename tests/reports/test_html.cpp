@@ -111,6 +111,14 @@ TEST(ReportHtml, TwoThousandShapesStayBelowTwentyMegabytes) {
     model.shapes.assign(2000, thumbnail);
     model.distances.assign(2000 * 1999 / 2, 0.123456789);
     model.errors.assign(model.distances.size(), 0.00123456789);
+    for (const char* method : {"SMACOF", "non-metric SMACOF", "classical MDS", "Isomap"}) {
+        for (const int dimension : {2, 3}) {
+            const std::vector<double> coordinates(2000 * static_cast<std::size_t>(dimension), 0.123456789);
+            Embedding map{method, dimension, coordinates, 0.1, std::vector<double>(2000, 0.000512345), {}};
+            if (map.method == "non-metric SMACOF") map.disparities = model.distances;
+            model.embeddings.push_back(std::move(map));
+        }
+    }
     const std::string html = render_html(model);
     EXPECT_LT(html.size(), size_limit);
     const auto data = page_data(html);

@@ -45,7 +45,8 @@ std::string schema_errors(const json& document, const std::string& schema_file) 
 }
 
 TEST(ReportJson, HasExactlyTheDocumentedKeys) {
-    auto model = tests::synthetic_model();
+    auto model = tests::synthetic_model({.queries = 2});
+    model.placed.push_back({"far away.png", -1, unknown, {{}, {}}, {unknown, unknown}});
     EXPECT_EQ(schema_errors(json::parse(to_json(model)), "report.schema.json"), "");
     model.volumes.reset();
     model.compare.reset();
@@ -118,7 +119,7 @@ TEST(ReportJson, SameModelSameText) {
 
 TEST(ReportJson, RefusesInconsistentModels) {
     const auto broken = [](const std::function<void(ReportModel&)>& change) {
-        auto model = tests::synthetic_model();
+        auto model = tests::synthetic_model({.queries = 1});
         EXPECT_TRUE(problems(model).empty());
         change(model);
         return problems(model).size();
@@ -130,6 +131,9 @@ TEST(ReportJson, RefusesInconsistentModels) {
     EXPECT_GT(broken([](auto& m) { m.embeddings[0].coordinates.push_back(0); }), 0U);
     EXPECT_GT(broken([](auto& m) { m.clusterings[0].assignment[0] = 77; }), 0U);
     EXPECT_GT(broken([](auto& m) { m.spanning_tree[0].b = 12; }), 0U);
+    EXPECT_GT(broken([](auto& m) { m.placed[0].nearest = 12; }), 0U);
+    EXPECT_GT(broken([](auto& m) { m.placed[0].positions.pop_back(); }), 0U);
+    EXPECT_GT(broken([](auto& m) { m.placed[0].positions[0].push_back(0); }), 0U);
     EXPECT_GT(broken([](auto& m) { m.paths[0].b = m.paths[0].a; }), 0U);
     EXPECT_GT(broken([](auto& m) { m.trust.silhouettes.pop_back(); }), 0U);
     EXPECT_GT(broken([](auto& m) { m.classes[0].confusion.pop_back(); }), 0U);

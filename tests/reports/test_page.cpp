@@ -179,6 +179,59 @@ TEST_F(Page, CellsOfTheMatrixAndKeysChoosePairs) {
     expect_quiet();
 }
 
+TEST_F(Page, ColoursFollowTheChosenGroups) {
+    show(tests::synthetic_model({.shapes = 9, .classes = 3, .paths = 0}));
+    const std::string strips =
+        "return [...document.querySelectorAll('#silhouette-chart .mark-rect.role-mark path')].map(p => "
+        "p.getAttribute('fill')).join(' ')";
+    const json by_class = browser_->run(strips);
+    EXPECT_THAT(text("#matrix .hint"), testing::HasSubstr("The strips along the sides show: classes."));
+    browser_->run("const s = document.getElementById('colours'); s.value = 2; s.dispatchEvent(new Event('change'));");
+    ASSERT_TRUE(
+        browser_->wait_for("return document.querySelector('#embedding-chart .role-legend-title').textContent "
+                           "=== 'clusters, k-medoids'"));
+    ASSERT_TRUE(browser_->wait_for(
+        "return [...document.querySelectorAll('#silhouette-chart .mark-rect.role-mark path')].length === 9"));
+    EXPECT_NE(browser_->run(strips), by_class);  // k-medoids puts the last shape into the first cluster
+    EXPECT_THAT(text("#matrix .hint"), testing::HasSubstr("show: clusters, k-medoids."));
+    // Both clusterings have their tables.
+    EXPECT_THAT(text("#matrix"), testing::HasSubstr("Clusters by average linkage, mean silhouette 0.61"));
+    EXPECT_THAT(text("#matrix"), testing::HasSubstr("Clusters by k-medoids, mean silhouette 0.57, adjusted Rand index "
+                                                    "with average linkage 0.83"));
+    EXPECT_EQ(
+        browser_->run("return document.querySelectorAll('#matrix .clusters:nth-of-type(2) tbody tr:first-child th')"
+                      "[0].textContent"),
+        "1");
+    browser_->run(
+        "const s = document.getElementById('matrix-order'); s.value = 'cluster1'; s.dispatchEvent(new "
+        "Event('change'));");
+    ASSERT_TRUE(browser_->wait_for("return !document.querySelector('#matrix-chart .branch')"));
+    expect_quiet();
+}
+
+TEST_F(Page, PlacedQueriesStandInTheMaps) {
+    auto model = tests::synthetic_model({.shapes = 9, .classes = 3, .paths = 0, .queries = 3});
+    model.placed[1].name = tests::evil_names[0];
+    model.placed[2].positions[0].clear();  // no place in the plane
+    show(model);
+    const std::string diamonds = "return document.querySelectorAll('#embedding-chart .query > path').length";
+    EXPECT_EQ(browser_->run(diamonds), 2);
+    EXPECT_THAT(text("#embedding-chart"), testing::HasSubstr("<img src=x onerror"));
+    EXPECT_EQ(
+        browser_->run("const q = document.querySelector('#embedding-chart .query > path').getBoundingClientRect(),"
+                      " s = [...document.querySelectorAll('#embedding-chart .shape > g > .background')].find(p =>"
+                      " p.__data__.datum.i === 0).getBoundingClientRect();"
+                      "return Math.abs(q.x + q.width / 2 - s.x - s.width / 2) < 2 && Math.abs(q.y + q.height / 2 "
+                      "- s.y - s.height / 2) < 2"),
+        true);  // the first query was put where the first shape is
+    EXPECT_THAT(text("#embedding table"), testing::HasSubstr("query-1.png0.050.1" + model.shapes[0].label));
+    EXPECT_EQ(browser_->run("return document.querySelectorAll('#embedding tbody tr').length"), 3);
+    browser_->run(
+        "const s = document.getElementById('embedding-which'); s.value = 1; s.dispatchEvent(new Event('change'));");
+    EXPECT_TRUE(browser_->wait_for("return document.querySelectorAll('#embedding-chart .query > path').length === 3"));
+    expect_quiet();
+}
+
 TEST_F(Page, NamesAreShownAsTextAndDoNothing) {
     auto model =
         tests::synthetic_model({.shapes = static_cast<int>(tests::evil_names.size()), .classes = 3, .paths = 2});
@@ -281,6 +334,11 @@ TEST_F(Page, FitsPhonesAndScreens) {
         for (const int shapes : {12, 40}) {
             show(tests::synthetic_model({.shapes = shapes, .classes = 3, .paths = 2}));
             EXPECT_LE(browser_->run("return document.documentElement.scrollWidth").get<int>(), width);
+            // Tables with long texts are read without moving them sideways.
+            EXPECT_EQ(browser_->run("return [...document.querySelectorAll('.stack')].filter(t => t.scrollWidth > "
+                                    "t.parentNode.clientWidth + 1).length"),
+                      0)
+                << width << " pixels";
             EXPECT_THAT(browser_->run("return [...document.querySelectorAll('.chart')].filter(c => c.clientWidth && "
                                       "c.querySelector('svg')).filter("
                                       "c => c.querySelector('svg').getBoundingClientRect().width > c.clientWidth + "

@@ -68,6 +68,17 @@ TEST(GraphDistances, ComponentsAreJoinedByTheSpanningTree) {
     EXPECT_FALSE(path_distances({"a", "b", "c"}, one).known(0, 2));
 }
 
+TEST(GraphDistances, AQueryReachesTheOthersThroughItsNearest) {
+    const DistanceMatrix line = tests::distances_of({0, 1, 2, 3}, 1);
+    const DistanceMatrix paths = isomap_distances(line, 1).distances;
+    // Beside 3, off the line; the shortcut to 0 is not among its two nearest.
+    const std::vector<double> query{2.0, missing, 1.5, 1.0};
+    EXPECT_EQ(query_path_distances(paths, query, 2), (std::vector<double>{3.5, 2.5, 1.5, 1.0}));
+    EXPECT_EQ(query_path_distances(paths, query, 1), (std::vector<double>{4.0, 3.0, 2.0, 1.0}));
+    for (const double d : query_path_distances(paths, std::vector<double>(4, missing), 2)) EXPECT_TRUE(std::isnan(d));
+    EXPECT_THROW((void)query_path_distances(paths, std::vector<double>(3, 1.0), 2), std::invalid_argument);
+}
+
 TEST(GraphDistances, EqualBitsOnOneAndEightThreads) {
     const DistanceMatrix d = tests::grouped_matrix(150, 4, 1.0, 2);
     const auto [one, eight] = tests::on_one_and_eight_threads([&] { return isomap_distances(d, 4).distances.dense(); });

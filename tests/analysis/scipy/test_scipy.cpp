@@ -24,6 +24,7 @@
 #include "analysis/random.h"
 #include "analysis/smacof.h"
 #include "analysis/statistics.h"
+#include "analysis/study.h"
 #include "tests/analysis/support.h"
 
 namespace morphodesic::analysis {
@@ -209,6 +210,43 @@ put('isotonic', isotonic_regression(d[0, 1:]))
     std::vector<double> row;
     for (std::size_t j = 1; j < 50; ++j) row.push_back(d(0, j));
     expect_near(isotonic_regression(row), theirs.at("isotonic"), 1e-12, "isotonic regression");
+}
+
+TEST_F(Independent, IsomapAndPermanova) {
+    // A curved band: the graph is one piece, and its path lengths differ from the distances.
+    Random random(11);
+    std::vector<double> points;
+    for (std::size_t i = 0; i < 90; ++i) {
+        const double t = 4.0 * random.uniform();
+        points.insert(points.end(), {t * std::cos(t), t * std::sin(t), 0.5 * random.uniform()});
+    }
+    const DistanceMatrix d = tests::distances_of(points, 3);
+    write_npy(folder_ / "d.npy", d);
+    const auto theirs = run(R"(
+from sklearn.manifold import Isomap
+d = np.load('d.npy')
+n = len(d)
+model = Isomap(n_neighbors=8, n_components=2, metric='precomputed', eigen_solver='dense')
+put('map', model.fit_transform(d))
+put('paths', model.dist_matrix_)
+classes = np.arange(n) % 3
+# Anderson 2001: sums of squared distances within groups against those of all
+total = (d ** 2).sum() / 2 / n
+within = sum((d[np.ix_(classes == c, classes == c)] ** 2).sum() / 2 / (classes == c).sum() for c in range(3))
+put('f', (total - within) / 2 / (within / (n - 3)))
+put('r2', 1 - within / total)
+)");
+    AnalysisOptions options;
+    options.neighbors = 8;
+    AnalysisInput input;
+    for (std::size_t i = 0; i < 90; ++i) input.classes.push_back(std::string(1, static_cast<char>('a' + i % 3)));
+    const AnalysisResult r = analyse(d, options, input);
+    expect_near(r.graph_distances.dense(), theirs.at("paths"), 1e-9, "path lengths");
+    ASSERT_EQ(r.embeddings[6].method, "Isomap");
+    EXPECT_LT(procrustes({2, theirs.at("map")}, r.embeddings[6].embedding).rms_distance, 1e-6);
+    ASSERT_TRUE(r.permanova.has_value());
+    EXPECT_NEAR(r.permanova->pseudo_f, theirs.at("f")[0], 1e-9);
+    EXPECT_NEAR(r.permanova->r_squared, theirs.at("r2")[0], 1e-12);
 }
 
 TEST_F(Independent, AgreementSilhouetteAndCorrelation) {

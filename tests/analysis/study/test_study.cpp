@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "analysis/csv.h"
+#include "analysis/procrustes.h"
 #include "analysis/study.h"
 #include "tests/analysis/support.h"
 
@@ -59,7 +60,18 @@ TEST(Study, AnswersEveryQuestion) {
         EXPECT_GE(r.clusterings[0].clusters[i], before);
         before = r.clusterings[0].clusters[i];
     }
-    EXPECT_EQ(r.embeddings.size(), 6u);
+    ASSERT_EQ(r.embeddings.size(), 8u);
+    EXPECT_EQ(r.embeddings[7].method, "Isomap");
+    for (const EmbeddingResult& e : r.embeddings) {  // all lie as the first of their dimension
+        const Embedding& first = r.embeddings[e.embedding.dimensions - 2].embedding;
+        const Embedding turned = procrustes(first, e.embedding).aligned;
+        for (std::size_t k = 0; k < turned.coordinates.size(); ++k) {
+            EXPECT_NEAR(e.embedding.coordinates[k], turned.coordinates[k], 1e-9) << e.method;
+        }
+    }
+    EXPECT_GT(r.isomap_correlation, 0.8);
+    EXPECT_THAT(r.remarks, testing::Contains(testing::HasSubstr("nearest neighbours falls into 4 parts")));
+    EXPECT_THAT(r.remarks, testing::Contains(testing::HasSubstr("in 2 dimensions is the best of 4 starts")));
     EXPECT_EQ(r.embeddings[0].method, "SMACOF");
     EXPECT_EQ(r.embeddings[0].embedding.dimensions, 2u);
     EXPECT_EQ(r.spanning_tree.size(), 39u);
@@ -127,7 +139,7 @@ TEST(Study, TablesHaveTheDocumentedColumns) {
     EXPECT_EQ(std::stod(tree.back()[3]), r.trees[0].tree.merges.back().height);
     const Table points = table([&](std::ostream& out) { write_embedding_csv(out, r); });
     EXPECT_EQ(points[0], (std::vector<std::string>{"name", "method", "dimensions", "x", "y", "z", "stress_share"}));
-    EXPECT_EQ(points.size(), 1u + 6 * 40);
+    EXPECT_EQ(points.size(), 1u + 8 * 40);
     EXPECT_EQ(points[1][5], "");
 }
 

@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pipeline/given_matrix.h"
 #include "program.h"
 
 namespace morphodesic::tests {
@@ -115,6 +117,133 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const Outcome bad = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "bad.csv").string()});
     EXPECT_EQ(bad.code, 2);
     EXPECT_THAT(bad.err, HasSubstr("no distance to any of the 6 shapes"));
+}
+
+/// Two thousand shapes have two million pairs: nothing of the size of a geodesic is kept for each.
+TEST(AnalyzeTable, TablesKeepNoGeodesics) {
+    const TemporaryFolder folder;
+    write_file(folder / "d.csv", table);
+    const pipeline::StudyData data = pipeline::read_given_matrix(folder / "d.csv", {});
+    EXPECT_EQ(data.distances.pair_count(), 15u);
+    EXPECT_EQ(data.pairs.capacity() + data.backward.capacity(), 0u);
+    EXPECT_EQ(data.geodesic(3), nullptr);
+}
+
+TEST(ReportOfTable, PlacedQueriesComeAndGo) {
+    const TemporaryFolder folder;
+    write_file(folder / "d.csv", table);
+    write_file(folder / "q.csv", ",a1,a2,a3,b1,b2,b3\n<i>like a2</i>,1,0,1,9,10,11\nunknown,,,,,,\n");
+    const std::string distances = (folder / "d.csv").string();
+    const fs::path out = folder / "d.analysis";
+    ASSERT_EQ(morphodesic({"report", distances, "--place", (folder / "q.csv").string()}).code, 0);
+    const json report = json::parse(read_file(out / "report.json"));
+    ASSERT_EQ(report["placed"].size(), 2u);
+    EXPECT_EQ(report["placed"][0]["nearest"], 1);
+    ASSERT_EQ(report["placed"][0]["positions"].size(), report["embeddings"].size());
+    for (std::size_t m = 0; m < report["embeddings"].size(); ++m) {  // exactly where a2 is, and at no misfit
+        const json& map = report["embeddings"][m];
+        const std::size_t dimension = map["dimension"];
+        ASSERT_EQ(report["placed"][0]["positions"][m].size(), dimension) << map["method"];
+        for (std::size_t axis = 0; axis < dimension; ++axis) {
+            EXPECT_NEAR(report["placed"][0]["positions"][m][axis], map["coordinates"][dimension + axis], 0.05)
+                << map["method"] << " " << dimension;
+        }
+    }
+    EXPECT_TRUE(report["placed"][1]["nearest"].is_null());
+    EXPECT_THAT(read_file(out / "report.html"), HasSubstr("\\u003ci\\u003elike a2"));
+    EXPECT_THAT(read_file(out / "figures" / "embedding_2d.svg"), HasSubstr("&lt;i&gt;like a2"));
+    EXPECT_TRUE(fs::exists(out / "placed.csv"));
+    ASSERT_EQ(morphodesic({"report", distances}).code, 0);
+    EXPECT_FALSE(fs::exists(out / "placed.csv"));
+    EXPECT_EQ(json::parse(read_file(out / "report.json"))["placed"].size(), 0u);
+}
+
+/// A study whose files are named as unkindly as a file system allows, and the tables of its results.
+class ForeignReaders : public testing::Test {
+protected:
+    void study_of_odd_names() {
+        make_disks(folder_ / "disks", 5);
+        const std::vector<std::string> names = {"a, b.png", "he said \"no\".png", "it's \\ #1.png", "<img src=x>.png",
+                                                "gr\u00fc\u00df.png"};
+        std::size_t k = 0;
+        std::vector<fs::path> files;
+        for (const auto& entry : fs::recursive_directory_iterator(folder_ / "disks")) {
+            if (entry.is_regular_file()) files.push_back(entry.path());
+        }
+        std::sort(files.begin(), files.end());
+        for (const fs::path& file : files) {
+            if (k < names.size()) fs::rename(file, file.parent_path() / names[k++]);
+        }
+        ASSERT_EQ(k, names.size());
+        ASSERT_EQ(morphodesic(quick({"run", (folder_ / "disks").string(), "--paths", "none"})).code, 0);
+        const std::string study = (folder_ / "disks.study").string();
+        write_file(folder_ / "q.csv", read_file(folder_ / "disks.study" / "distances.csv"));
+        ASSERT_EQ(morphodesic({"report", study, "--paths", "none", "--place", (folder_ / "q.csv").string()}).code, 0);
+    }
+    /// Runs a script in the folder of the study.
+    void run(const std::string& program, const std::string& name, const std::string& script) {
+        write_file(folder_ / name, script);
+        const Outcome done =
+            shell("cd '" + (folder_ / "disks.study").string() + "' && " + program + " ../" + name + " 2>&1");
+        EXPECT_EQ(done.code, 0) << done.out << done.err;
+        EXPECT_THAT(done.out, HasSubstr("9 tables"));
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(ForeignReaders, PandasReadsEveryTableWithoutOptions) {
+    if (shell("/usr/bin/python3 -c 'import pandas'").code != 0) GTEST_SKIP() << "python3-pandas is not installed";
+    ASSERT_NO_FATAL_FAILURE(study_of_odd_names());
+    run("/usr/bin/python3", "read.py", R"(
+import glob, json, numpy, pandas
+tables = {f: pandas.read_csv(f) for f in sorted(glob.glob('*.csv'))}
+report = json.load(open('report.json'))
+names = [s['name'] for s in report['shapes']]
+n = len(names)
+assert '"' in ''.join(names) and ',' in ''.join(names)
+d = tables['distances.csv']
+assert list(d.columns[1:]) == names and list(d.iloc[:, 0]) == names
+npy = numpy.load('distances.npy')
+assert numpy.allclose(d.iloc[:, 1:].to_numpy(float), npy, rtol=1e-15, atol=0)  # its parser may miss the last bit
+exact = pandas.read_csv('distances.csv', index_col=0, float_precision='round_trip')
+assert (exact.to_numpy(float) == npy).all()
+assert npy.shape == (n, n)
+assert list(tables['shapes.csv']['name']) == names
+pairs = tables['pairs.csv']
+assert len(pairs) == n * (n - 1) // 2 and set(pairs['a']) | set(pairs['b']) == set(names)
+assert numpy.allclose(pairs['distance'], report['distances'], rtol=1e-15)
+for column in ['distance', 'error', 'path_length', 'min_det', 'seconds', 'level', 'refined']:
+    assert pairs[column].dtype.kind in 'fi', column
+assert sorted(tables['clusters.csv']['name']) == sorted(names)
+assert tables['linkage.csv'][['first', 'second', 'height', 'size']].to_numpy(float).shape == (n - 1, 4)
+assert len(tables['embedding.csv']) == n * len(report['embeddings'])
+assert len(tables['placed.csv']) == n * len(report['embeddings'])
+assert list(tables['accuracy.csv'].columns) == ['ranking', 'measure', 'value']
+print(len(tables) + 1, 'tables')  # with distances.npy
+)");
+}
+
+TEST_F(ForeignReaders, RReadsEveryTableWithoutOptions) {
+    if (shell("Rscript --version").code != 0) GTEST_SKIP() << "r-base-core is not installed";
+    ASSERT_NO_FATAL_FAILURE(study_of_odd_names());
+    run("LC_ALL=C.UTF-8 Rscript --vanilla", "read.R", R"(
+tables <- lapply(sort(Sys.glob("*.csv")), read.csv)
+names(tables) <- sort(Sys.glob("*.csv"))
+shapes <- tables[["shapes.csv"]]
+d <- tables[["distances.csv"]]
+n <- nrow(shapes)
+m <- as.matrix(d[-1])
+stopifnot(identical(d[[1]], shapes$name), is.numeric(m), all(dim(m) == n), all(m == t(m)), all(diag(m) == 0))
+named <- read.csv("distances.csv", row.names = 1, check.names = FALSE)
+stopifnot(identical(rownames(named), shapes$name), identical(colnames(named), shapes$name))
+pairs <- tables[["pairs.csv"]]
+stopifnot(nrow(pairs) == n * (n - 1) / 2, all(pairs$a %in% shapes$name), is.numeric(pairs$distance),
+          is.numeric(pairs$error), is.numeric(pairs$min_det))
+stopifnot(all(abs(mapply(function(a, b) named[a, b], pairs$a, pairs$b) - pairs$distance) == 0))
+stopifnot(setequal(tables[["clusters.csv"]]$name, shapes$name), nrow(tables[["linkage.csv"]]) == n - 1)
+stopifnot(nrow(tables[["embedding.csv"]]) == nrow(tables[["placed.csv"]]))
+cat(length(tables) + 1, "tables\n")
+)");
 }
 
 TEST(ReportOfTable, IsAPageWithoutGeodesics) {
