@@ -32,10 +32,6 @@ constexpr double smooth_tolerance = 1e-2;  // of the energy with the wide rim, b
 template <int Dim>
 constexpr int last_search_level = Dim == 2 ? 6 : 5;
 
-/// Pairs of L-BFGS. In 3D memory is short, and two more save next to nothing.
-template <int Dim>
-constexpr int history = Dim == 2 ? 6 : 4;
-
 /// Starts that go on from a level of the search: at most `count`, with an energy up to `margin` times the least.
 /// Measured on letters: energies of one start on levels 4 and 6 differ by up to a quarter, on levels 5 and 6 by up to
 /// an eighth.
@@ -126,7 +122,6 @@ private:
         MinimizerOptions minimizer;
         minimizer.tolerance = tolerance;
         minimizer.max_iterations = options_.max_iterations;
-        minimizer.history = history<Dim>;
         const auto summary = minimize_path<Dim>(energy, start.path.x, minimizer);
         start.terms = summary.terms;
         start.termination = summary.termination;
@@ -215,8 +210,8 @@ private:
     /// made narrow. The error bar compares the two lengths.
     /// @return length with the wide rim
     double finish(Start<Dim>& best) {
-        solve(best, 0, wide_rim(), options_.tolerance);
         int level = best.path.layout.grid.level();
+        solve(best, 0, wide_rim(), options_.tolerance);
         for (; level < options_.level; ++level) {
             if (level + 1 == options_.level) take_all_steps(best);
             int folds = 0;

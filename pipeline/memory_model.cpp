@@ -27,7 +27,7 @@ std::size_t number_in(const char* file) {
 std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
     const double n = nodes(dimension, level), fields = dimension * time_steps + time_steps - 1;
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
-    const double history = dimension == 2 ? 6 : 4;
+    constexpr double history = 4;
     const double path = 6 * fields * sizeof(double) + 2 * history * fields * sizeof(float);
     // Multigrid: weight, diagonal, mass and block inverse (symmetric matrices), edges, three vectors.
     const double matrix = dimension * (dimension + 1) / 2.0;

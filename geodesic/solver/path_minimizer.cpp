@@ -22,8 +22,9 @@ namespace {
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
 constexpr int patience = 4;          // shorter steps tried before the history is given up
-constexpr int refresh = 10;          // iterations between two updates of the preconditioner
+constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
+constexpr int max_renewals = 3;      // of history and preconditioner where steps stall
 constexpr int window = 5;            // iterations over which the decrease is measured
 
 struct Pair {
@@ -107,6 +108,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     std::deque<Pair> pairs;
     std::deque<double> energies{terms.total};
     summary.termination = Termination::max_steps;
+    int renewals = 0;
     while (summary.iterations < options.max_iterations) {
         if (proceed && !proceed(terms)) {
             summary.termination = Termination::cancelled;
@@ -188,6 +190,14 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         if (energies.size() > window + 1) energies.pop_front();
         if (energies.size() == window + 1 &&
             energies.front() - energies.back() <= options.tolerance * energies.back()) {
+            // Short steps against a steep slope: a kink the history knows nothing of, not a minimum.
+            if (-slope > 2.0 * options.tolerance * terms.total && renewals < max_renewals) {
+                ++renewals;
+                pairs.clear();
+                preconditioner.update(energy, x);
+                energies = {terms.total};
+                continue;
+            }
             summary.termination = Termination::converged;
             break;
         }

@@ -10,7 +10,7 @@ namespace morphodesic {
 struct MinimizerOptions {
     double tolerance = 3e-3;   ///< stop: relative decrease of E over five iterations
     int max_iterations = 400;  ///< > 0
-    int history = 6;           ///< pairs of L-BFGS, > 0
+    int history = 4;           ///< pairs of L-BFGS, > 0; 6 take as many iterations
 };
 
 struct MinimizerSummary {
