@@ -19,9 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The search for the best start happens from this level on, with at most so many time steps.
+// The search for the best start happens from this level on, with at most so many time steps; after it the winner gets
+// at most so many until one level is left.
 constexpr int start_level = 4;
-constexpr int search_steps = 4;
+constexpr int search_steps = 2, settled_steps = 4;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -202,8 +203,10 @@ private:
     }
 
     /// Many short steps are coupled stiffly; they start from few long ones that have converged.
-    void take_all_steps(Start<Dim>& start) {
-        while (start.path.layout.time_steps < options_.time_steps) double_steps(start, options_.tolerance);
+    void double_steps_up_to(Start<Dim>& start, int steps) {
+        while (start.path.layout.time_steps < std::min(steps, options_.time_steps)) {
+            double_steps(start, options_.tolerance);
+        }
     }
 
     /// Takes the best start of the search to the wanted level and number of steps with the wide rim; then the rim is
@@ -212,13 +215,14 @@ private:
     double finish(Start<Dim>& best) {
         int level = best.path.layout.grid.level();
         solve(best, 0, wide_rim(), options_.tolerance);
+        double_steps_up_to(best, settled_steps);
         for (; level < options_.level; ++level) {
-            if (level + 1 == options_.level) take_all_steps(best);
+            if (level + 1 == options_.level) double_steps_up_to(best, options_.time_steps);
             int folds = 0;
             best.path = prolong_in_space(best.path, folds);
             solve(best, folds, wide_rim(), level + 1 < options_.level ? options_.tolerance : last_wide_tolerance());
         }
-        take_all_steps(best);
+        double_steps_up_to(best, options_.time_steps);
         const double wide = best.terms.path_length();
         solve(best, 0, options_.rim_width, options_.tolerance);
         return wide;
