@@ -29,6 +29,12 @@ template <class Body>
 void for_frames(int begin, int end, const Body& body) {
     oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
 }
+/// 1 where |u| < 20 eps, falling to 0 at 40 eps: far enough for long moves to carry the level set along, and near
+/// enough to leave the background alone.
+float near_contour(double u, double eps) {
+    return static_cast<float>(std::clamp(2.0 - std::abs(u) / (20.0 * eps), 0.0, 1.0));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -36,6 +42,7 @@ TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
     : layout_(layout), coarse_(std::max(3, layout.grid.level() - coarser_by)), trajectories_(layout, coarse_) {
     const auto steps = static_cast<std::size_t>(layout.time_steps);
     level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
+    near_ = level_unit_;
     buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
     modes_.assign(steps - 1, VCycle<Dim>(coarse_));
     std::array<std::vector<double>, Dim> field;
@@ -50,8 +57,13 @@ void TransportCorrection<Dim>::update(const PathEnergy<Dim>& energy, std::span<c
                                       const std::vector<std::vector<float>>& inverse_u) {
     trajectories_.update(energy, x);
     for (std::size_t k = 0; k < inverse_u.size(); ++k) {
-        // PathPreconditioner takes u_k for twice as stiff as the mismatch makes it.
-        for (std::size_t i = 0; i < layout_.nodes(); ++i) level_unit_[k][i] = std::sqrt(2.0F * inverse_u[k][i]);
+        // PathPreconditioner takes u_k for twice as stiff as the mismatch makes it. Far from the contour nothing
+        // resists a change of u_k, and single nodes would become positive unseen by any quadrature point.
+        const double* u = energy.level_set(x, static_cast<int>(k + 1));
+        for (std::size_t i = 0; i < layout_.nodes(); ++i) {
+            near_[k][i] = near_contour(u[i], energy.eps());
+            level_unit_[k][i] = near_[k][i] * std::sqrt(2.0F * inverse_u[k][i]);
+        }
     }
     build_operators(energy, x, weights);
     trajectories_.finish();
@@ -112,7 +124,8 @@ void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, st
         for (int a = 0; a < Dim; ++a) {
             w[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(k + 1, a);
         }
-        const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node, const Point<Dim>& fraction, double(&value)[Dim]) {
+        const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node,
+                            const Point<Dim>& fraction, double(&value)[Dim]) {
             for (std::size_t a = 0; a < Dim; ++a) {
                 value[a] = 0.0;
                 for (int c = 0; c < (1 << Dim); ++c) {
@@ -183,6 +196,7 @@ void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
     for (int a = 0; a < Dim; ++a) g[a] = gradient.data() + layout_.displacement(k + 1, a);
     const double* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
     const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
+    const float* near = k > 0 ? near_[static_cast<std::size_t>(k - 1)].data() : nullptr;
     for (std::size_t i = 0; i < layout_.nodes(); ++i) {
         std::array<float, width> value{};
         for (std::size_t r = 0; r < Dim; ++r) {
@@ -191,7 +205,7 @@ void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
         }
         if (k > 0) {
             const auto from = static_cast<float>(gu[i]);
-            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * from;
+            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * near[i] * from;
             value[2 * Dim] = d[i] * from;
         }
         std::array<float, Dim> fraction;
@@ -286,6 +300,7 @@ void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
     for (int a = 0; a < Dim; ++a) to[a] = direction.data() + layout_.displacement(k + 1, a);
     double* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
     const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
+    const float* near = k > 0 ? near_[static_cast<std::size_t>(k - 1)].data() : nullptr;
     for (std::size_t i = 0; i < layout_.nodes(); ++i) {
         std::array<float, Dim> fraction;
         for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
@@ -302,7 +317,7 @@ void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
         }
         if (k == 0) continue;
         float change = d[i] * value[2 * Dim];
-        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * value[Dim + c];
+        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * near[i] * value[Dim + c];
         to_u[i] += static_cast<double>(change);
     }
 }

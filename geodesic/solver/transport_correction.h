@@ -49,9 +49,10 @@ private:
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
     Trajectories<Dim> trajectories_;
-    std::vector<std::vector<float>> level_unit_;                               // d_k, k = 1..K-1
-    std::vector<std::vector<float>> buffers_;                                  // per frame, [coarse nodes][width]
-    std::vector<VCycle<Dim>> modes_;                                           // m = 1..K-1
+    std::vector<std::vector<float>> level_unit_;  // d_k, k = 1..K-1
+    std::vector<std::vector<float>> near_;        // 1 near the contour of u_k, 0 far from it
+    std::vector<std::vector<float>> buffers_;     // per frame, [coarse nodes][width]
+    std::vector<VCycle<Dim>> modes_;              // m = 1..K-1
     std::vector<std::array<std::vector<double>, Dim>> right_side_, solution_;  // per mode
 };
 
