@@ -193,8 +193,7 @@ private:
             if (starts.size() > static_cast<std::size_t>(cut.count)) starts.resize(static_cast<std::size_t>(cut.count));
             for (auto& start : starts) {
                 int folds = 0;
-                auto fine = prolong_in_space(start.path, folds);
-                start.path = std::move(fine);
+                start.path = prolong_in_space(start.path, folds);
                 solve(start, folds, wide_rim(), tolerance);
             }
             sort(starts);

@@ -9,6 +9,12 @@
 
 namespace morphodesic {
 
+/// body(i) for begin <= i < end, in parallel. A waiting thread does not wander into other work.
+template <class Body>
+void for_indices(int begin, int end, const Body& body) {
+    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
+}
+
 /// body(i) for every node, in parallel over the rows of axis 0. A waiting thread does not wander into other work.
 template <int Dim, class Body>
 void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {

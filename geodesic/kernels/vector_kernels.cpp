@@ -120,24 +120,28 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
     return least;
 }
 
-MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const double* const (&d)[2],
-                                         const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
-                                         unsigned char* flag) {
+template <int Dim>
+inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
+                                                         const double* const (&d)[Dim],
+                                                         const std::ptrdiff_t (&stride)[Dim], double inverse_h,
+                                                         double keep, unsigned char* flag) {
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
-        const double before = least_corner_det<2>(w, nullptr, stride, i, inverse_h);
-        const double after = least_corner_det<2>(w, &d, stride, i, inverse_h);
+        const double before = least_corner_det<Dim>(w, nullptr, stride, i, inverse_h);
+        const double after = least_corner_det<Dim>(w, &d, stride, i, inverse_h);
         flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
     }
 }
 
+// Clones cannot be templates.
+MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const double* const (&d)[2],
+                                         const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
+                                         unsigned char* flag) {
+    flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
+}
 MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const double* const (&d)[3],
                                          const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
                                          unsigned char* flag) {
-    for (std::ptrdiff_t i = 0; i < cells; ++i) {
-        const double before = least_corner_det<3>(w, nullptr, stride, i, inverse_h);
-        const double after = least_corner_det<3>(w, &d, stride, i, inverse_h);
-        flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
-    }
+    flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 #include "geodesic/solver/path_minimizer.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -11,6 +8,7 @@
 #include <stdexcept>
 
 #include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/kernels/vector_kernels.h"
 #include "geodesic/solver/path_preconditioner.h"
 #include "geodesic/solver/volume_constraint.h"
@@ -54,16 +52,14 @@ void lbfgs_direction(const std::deque<Pair>& pairs, PathPreconditioner<Dim>& pre
 /// in those cells alone.
 template <int Dim>
 void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x, std::vector<double>& direction) {
-    oneapi::tbb::this_task_arena::isolate([&] {
-        oneapi::tbb::parallel_for(1, layout.time_steps + 1, [&](int k) {
-            DisplacementView<Dim> w;
-            std::array<double*, Dim> change;
-            for (int a = 0; a < Dim; ++a) {
-                w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
-                change[static_cast<std::size_t>(a)] = direction.data() + layout.displacement(k, a);
-            }
-            limit_change<Dim>(layout.grid, w, change, least_share);
-        });
+    for_indices(1, layout.time_steps + 1, [&](int k) {
+        DisplacementView<Dim> w;
+        std::array<double*, Dim> change;
+        for (int a = 0; a < Dim; ++a) {
+            w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
+            change[static_cast<std::size_t>(a)] = direction.data() + layout.displacement(k, a);
+        }
+        limit_change<Dim>(layout.grid, w, change, least_share);
     });
 }
 

@@ -1,8 +1,5 @@
 #include "geodesic/solver/trajectories.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
@@ -60,10 +57,6 @@ void for_each_node(const DyadicGrid<Dim>& grid, const auto& body) {
         body(i, node);
         for (std::size_t a = 0; a < Dim && ++node[a] == n; ++a) node[a] = 0;
     }
-}
-template <class Body>
-void for_frames(int begin, int end, const Body& body) {
-    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
 }
 /// phi_k^-1 at a position, by damped fixed point iteration to 2 % of a cell.
 template <int Dim>
@@ -153,11 +146,11 @@ Trajectories<Dim>::Trajectories(const PathLayout<Dim>& layout, const DyadicGrid<
 template <int Dim>
 void Trajectories<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x) {
     follow(x);
-    for_frames(1, layout_.time_steps, [&](int k) {
+    for_indices(1, layout_.time_steps, [&](int k) {
         frames_[static_cast<std::size_t>(k)].gradient =
             rim_gradient<Dim>(layout_.grid, energy.level_set(x, k), energy.eps());
     });
-    differentiate(x);
+    differentiate(energy, x);
 }
 
 /// P_k = P_{k-1} o phi_k^-1.
@@ -199,9 +192,9 @@ void Trajectories<Dim>::finish() {
 
 /// A_{k+1} = D phi_{k+1} A_k at the nodes of frame k, A_k = (D P_k)^-1, and q_k = grad u_k A_k.
 template <int Dim>
-void Trajectories<Dim>::differentiate(std::span<const double> x) {
+void Trajectories<Dim>::differentiate(const PathEnergy<Dim>& energy, std::span<const double> x) {
     const auto& grid = layout_.grid;
-    for_frames(0, layout_.time_steps, [&](int k) {
+    for_indices(0, layout_.time_steps, [&](int k) {
         Frame& frame = frames_[static_cast<std::size_t>(k)];
         for_each_node<Dim>(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
             Matrix<Dim> back = Matrix<Dim>::Identity(), forth = Matrix<Dim>::Identity();
@@ -219,10 +212,11 @@ void Trajectories<Dim>::differentiate(std::span<const double> x) {
                 for (int c = 0; c < Dim; ++c) frame.a[static_cast<std::size_t>(r * Dim + c)][i] = a(r, c);
             }
             if (k == 0) return;
+            const float near = near_contour(energy.level_set(x, k)[i], energy.eps());
             for (int c = 0; c < Dim; ++c) {
                 float q = 0.0F;
                 for (int r = 0; r < Dim; ++r) q += frame.gradient[static_cast<std::size_t>(r)][i] * until(r, c);
-                frame.q[static_cast<std::size_t>(c)][i] = q;
+                frame.q[static_cast<std::size_t>(c)][i] = q * near;
             }
         });
     });

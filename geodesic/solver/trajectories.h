@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -44,6 +45,12 @@ std::array<float, 1 << Dim> corner_shares(const std::array<float, Dim>& fraction
     return s;
 }
 
+/// 1 where |u| < 20 eps, falling to 0 at 40 eps: far enough for long moves to carry the level set along, and near
+/// enough to leave the background alone.
+inline float near_contour(double u, double eps) {
+    return static_cast<float>(std::clamp(2.0 - std::abs(u) / (20.0 * eps), 0.0, 1.0));
+}
+
 /// The material points of a path, followed from frame 0 through its deformations: P_k(x) is the point of frame 0 that
 /// is at x in frame k, P_k = P_{k-1} o phi_k^-1; Phi_k its inverse, and A_k = D Phi_k.
 template <int Dim>
@@ -57,7 +64,14 @@ public:
         Vector fraction;                              ///< place in it
         std::array<std::vector<float>, Dim * Dim> a;  ///< A_{k+1} at P_k(x), row by row
         Vector gradient;                              ///< grad u_k, empty for k = 0; until finish()
-        Vector q;                                     ///< grad u_k A_k at P_k(x)
+        Vector q;                                     ///< grad u_k A_k at P_k(x), times near_contour of u_k
+
+        /// Values at the place of P_k(x) of the shape functions of its coarse cell.
+        [[nodiscard]] std::array<float, 1 << Dim> shares(std::size_t i) const {
+            std::array<float, Dim> at;
+            for (std::size_t a = 0; a < Dim; ++a) at[a] = fraction[a][i];
+            return corner_shares<Dim>(at);
+        }
     };
 
     /// @param coarse  grid on which fields in frame 0 live
@@ -76,7 +90,7 @@ public:
 
 private:
     void follow(std::span<const double> x);
-    void differentiate(std::span<const double> x);
+    void differentiate(const PathEnergy<Dim>& energy, std::span<const double> x);
 
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;

@@ -1,8 +1,5 @@
 #include "geodesic/solver/transport_correction.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,16 +22,6 @@ constexpr double rest_factor = 2.0;
 constexpr double background = 0.2;
 // The corrections overlap with those of phi_k and u_k one by one.
 constexpr double move_share = 0.5, level_share = 0.3;
-template <class Body>
-void for_frames(int begin, int end, const Body& body) {
-    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
-}
-/// 1 where |u| < 20 eps, falling to 0 at 40 eps: far enough for long moves to carry the level set along, and near
-/// enough to leave the background alone.
-float near_contour(double u, double eps) {
-    return static_cast<float>(std::clamp(2.0 - std::abs(u) / (20.0 * eps), 0.0, 1.0));
-}
-
 }  // namespace
 
 template <int Dim>
@@ -42,7 +29,6 @@ TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
     : layout_(layout), coarse_(std::max(3, layout.grid.level() - coarser_by)), trajectories_(layout, coarse_) {
     const auto steps = static_cast<std::size_t>(layout.time_steps);
     level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
-    near_ = level_unit_;
     buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
     modes_.assign(steps - 1, VCycle<Dim>(coarse_));
     std::array<std::vector<double>, Dim> field;
@@ -61,8 +47,7 @@ void TransportCorrection<Dim>::update(const PathEnergy<Dim>& energy, std::span<c
         // resists a change of u_k, and single nodes would become positive unseen by any quadrature point.
         const double* u = energy.level_set(x, static_cast<int>(k + 1));
         for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-            near_[k][i] = near_contour(u[i], energy.eps());
-            level_unit_[k][i] = near_[k][i] * std::sqrt(2.0F * inverse_u[k][i]);
+            level_unit_[k][i] = near_contour(u[i], energy.eps()) * std::sqrt(2.0F * inverse_u[k][i]);
         }
     }
     build_operators(energy, x, weights);
@@ -84,16 +69,14 @@ void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, st
         typename VCycle<Dim>::Mass rest;
     };
     std::vector<Sums> sums(static_cast<std::size_t>(steps));
-    for_frames(0, steps, [&](int k) {
+    for_indices(0, steps, [&](int k) {
         Sums& sum = sums[static_cast<std::size_t>(k)];
         const auto& frame = trajectories_.frame(k);
         sum.weight.assign(coarse_nodes, 0.0F);
         sum.share.assign(coarse_nodes, 0.0F);
         for (auto& m : sum.rest) m.assign(coarse_nodes, 0.0F);
         for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-            std::array<float, Dim> fraction;
-            for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
-            const auto s = corner_shares<Dim>(fraction);
+            const auto s = frame.shares(i);
             for (std::size_t c = 0; c < (1 << Dim); ++c) {
                 sum.weight[frame.cell[i] + coarse_corners[c]] += s[c] * weights[static_cast<std::size_t>(k)][i];
                 sum.share[frame.cell[i] + coarse_corners[c]] += s[c];
@@ -175,7 +158,7 @@ void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, st
     for (std::size_t i = 0; i < coarse_nodes; ++i) {  // frame 0 reaches every node: no share is 0
         weight[i] = std::max(floor, weight[i] / share[i]);
     }
-    for_frames(1, steps, [&](int m) {
+    for_indices(1, steps, [&](int m) {
         const double s = std::sin(std::numbers::pi * m / (2 * steps));
         auto scaled = rest;
         for (auto& entry : scaled) {
@@ -196,7 +179,6 @@ void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
     for (int a = 0; a < Dim; ++a) g[a] = gradient.data() + layout_.displacement(k + 1, a);
     const double* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
     const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
-    const float* near = k > 0 ? near_[static_cast<std::size_t>(k - 1)].data() : nullptr;
     for (std::size_t i = 0; i < layout_.nodes(); ++i) {
         std::array<float, width> value{};
         for (std::size_t r = 0; r < Dim; ++r) {
@@ -205,12 +187,10 @@ void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
         }
         if (k > 0) {
             const auto from = static_cast<float>(gu[i]);
-            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * near[i] * from;
+            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * from;
             value[2 * Dim] = d[i] * from;
         }
-        std::array<float, Dim> fraction;
-        for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
-        const auto s = corner_shares<Dim>(fraction);
+        const auto s = frame.shares(i);
         for (std::size_t c = 0; c < (1 << Dim); ++c) {
             float* out = buffer.data() + (frame.cell[i] + corners[c]) * width;
             for (std::size_t f = 0; f < width; ++f) out[f] += s[c] * value[f];
@@ -264,7 +244,7 @@ void TransportCorrection<Dim>::solve() {
             y = level_scale * (static_cast<float>(count - k) * before + static_cast<float>(k) * behind);
         }
     });
-    for_frames(0, steps - 1, [&](int m) {
+    for_indices(0, steps - 1, [&](int m) {
         std::array<const double*, Dim> in;
         std::array<double*, Dim> out;
         for (std::size_t c = 0; c < Dim; ++c) {
@@ -300,11 +280,8 @@ void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
     for (int a = 0; a < Dim; ++a) to[a] = direction.data() + layout_.displacement(k + 1, a);
     double* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
     const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
-    const float* near = k > 0 ? near_[static_cast<std::size_t>(k - 1)].data() : nullptr;
     for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-        std::array<float, Dim> fraction;
-        for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a][i];
-        const auto s = corner_shares<Dim>(fraction);
+        const auto s = frame.shares(i);
         std::array<float, width> value{};
         for (std::size_t c = 0; c < (1 << Dim); ++c) {
             const float* in = buffer.data() + (frame.cell[i] + corners[c]) * width;
@@ -317,16 +294,16 @@ void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
         }
         if (k == 0) continue;
         float change = d[i] * value[2 * Dim];
-        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * near[i] * value[Dim + c];
+        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * value[Dim + c];
         to_u[i] += static_cast<double>(change);
     }
 }
 
 template <int Dim>
 void TransportCorrection<Dim>::add(std::span<const double> gradient, std::span<double> direction) {
-    for_frames(0, layout_.time_steps, [&](int k) { push(k, gradient); });
+    for_indices(0, layout_.time_steps, [&](int k) { push(k, gradient); });
     solve();
-    for_frames(0, layout_.time_steps, [&](int k) { pull(k, direction); });
+    for_indices(0, layout_.time_steps, [&](int k) { pull(k, direction); });
 }
 
 template class TransportCorrection<2>;

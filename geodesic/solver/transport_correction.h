@@ -18,7 +18,8 @@ namespace morphodesic {
 ///   v_k (k = 1..K), sum_k v_k = 0: what phi_k adds to the motion of X; z_k = v_1 + .. + v_k moves it in frame k;
 ///   y_k (k = 1..K-1): change of the level of shape k, in units of 1 / sqrt(curvature of the mismatch in u_k).
 /// With P_k(x) the material point at x in frame k, Phi_k its inverse, A_k = D Phi_k, they become
-///   delta phi_k(x) = A_k v_k(P_{k-1}(x)),    delta u_k(x) = -(grad u_k A_k z_k)(P_k(x)) + d_k(x) y_k(P_k(x)).
+///   delta phi_k(x) = A_k v_k(P_{k-1}(x)),    delta u_k(x) = -(grad u_k A_k z_k)(P_k(x)) + d_k(x) y_k(P_k(x)),
+/// both fading out far from the contour (near_contour).
 /// In the basis cos(pi m (k - 1/2) / K) of the time steps the energy decouples: 2 c K times the elasticity of v_m, and
 /// what the transport leaves of the mismatch (contours are no straight lines) times 1 / (4 sin^2(pi m / 2 K)); each is
 /// solved by a V-cycle. The mismatch couples y_k in a chain with ends fixed, which is inverted exactly.
@@ -49,10 +50,9 @@ private:
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
     Trajectories<Dim> trajectories_;
-    std::vector<std::vector<float>> level_unit_;  // d_k, k = 1..K-1
-    std::vector<std::vector<float>> near_;        // 1 near the contour of u_k, 0 far from it
-    std::vector<std::vector<float>> buffers_;     // per frame, [coarse nodes][width]
-    std::vector<VCycle<Dim>> modes_;              // m = 1..K-1
+    std::vector<std::vector<float>> level_unit_;                               // d_k, k = 1..K-1
+    std::vector<std::vector<float>> buffers_;                                  // per frame, [coarse nodes][width]
+    std::vector<VCycle<Dim>> modes_;                                           // m = 1..K-1
     std::vector<std::array<std::vector<double>, Dim>> right_side_, solution_;  // per mode
 };
 
