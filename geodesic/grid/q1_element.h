@@ -77,6 +77,22 @@ double value(const DyadicGrid<Dim>& grid, const double* field, const std::type_i
     return sum;
 }
 
+/// Values of several Q1 functions at one point, as `value`.
+template <int Dim, std::size_t Count>
+std::array<double, Count> values(const DyadicGrid<Dim>& grid, const std::array<const double*, Count>& fields,
+                                 const std::type_identity_t<Point<Dim>>& x) {
+    const auto at = locate(grid, x);
+    const auto offsets = corner_offsets(grid);
+    std::array<double, Count> sums{};
+    for (int c = 0; c < (1 << Dim); ++c) {
+        const double share = shape<Dim>(c, at.fraction);
+        for (std::size_t f = 0; f < Count; ++f) {
+            sums[f] += share * fields[f][at.node + offsets[static_cast<std::size_t>(c)]];
+        }
+    }
+    return sums;
+}
+
 /// Visits every cell with the index of its first node.
 template <int Dim, class Visitor>
 void for_each_cell(const DyadicGrid<Dim>& grid, Visitor&& visit) {

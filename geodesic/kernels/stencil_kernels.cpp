@@ -67,6 +67,22 @@ void JacobiSweep(std::size_t count, const Stencil<Dim>& a, float omega, const Ve
 }
 
 template <int Dim>
+void FirstSweep(std::size_t count, const Stencil<Dim>& a, float omega, const VectorIn<Dim>& b,
+                const VectorOut<Dim>& out) {
+    for_range(count, [&](auto d, std::ptrdiff_t i) HWY_ATTR {
+        hn::Vec<decltype(d)> r[Dim];
+        for (int c = 0; c < Dim; ++c) r[c] = hn::LoadU(d, b[c] + i);
+        for (int c = 0; c < Dim; ++c) {
+            auto sum = hn::Mul(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, 0)] + i), r[0]);
+            for (int k = 1; k < Dim; ++k) {
+                sum = hn::MulAdd(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, k)] + i), r[k], sum);
+            }
+            hn::StoreU(hn::Mul(hn::Set(d, omega), sum), d, out[c] + i);
+        }
+    });
+}
+
+template <int Dim>
 void Residual(std::size_t count, const Stencil<Dim>& a, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
               const VectorOut<Dim>& out) {
     for_range(count, [&](auto d, std::ptrdiff_t i) HWY_ATTR {
@@ -83,6 +99,12 @@ void JacobiSweep2(std::size_t n, const Stencil<2>& a, float w, const VectorIn<2>
 void JacobiSweep3(std::size_t n, const Stencil<3>& a, float w, const VectorIn<3>& b, const VectorIn<3>& x,
                   const VectorOut<3>& out) {
     JacobiSweep<3>(n, a, w, b, x, out);
+}
+void FirstSweep2(std::size_t n, const Stencil<2>& a, float w, const VectorIn<2>& b, const VectorOut<2>& out) {
+    FirstSweep<2>(n, a, w, b, out);
+}
+void FirstSweep3(std::size_t n, const Stencil<3>& a, float w, const VectorIn<3>& b, const VectorOut<3>& out) {
+    FirstSweep<3>(n, a, w, b, out);
 }
 void Residual2(std::size_t n, const Stencil<2>& a, const VectorIn<2>& b, const VectorIn<2>& x,
                const VectorOut<2>& out) {
@@ -101,6 +123,8 @@ namespace morphodesic::kernels {
 
 HWY_EXPORT(JacobiSweep2);
 HWY_EXPORT(JacobiSweep3);
+HWY_EXPORT(FirstSweep2);
+HWY_EXPORT(FirstSweep3);
 HWY_EXPORT(Residual2);
 HWY_EXPORT(Residual3);
 
@@ -113,6 +137,14 @@ template <>
 void jacobi_sweep<3>(std::size_t n, const Stencil<3>& a, float omega, const VectorIn<3>& b, const VectorIn<3>& x,
                      const VectorOut<3>& out) {
     HWY_DYNAMIC_DISPATCH(JacobiSweep3)(n, a, omega, b, x, out);
+}
+template <>
+void first_sweep<2>(std::size_t n, const Stencil<2>& a, float omega, const VectorIn<2>& b, const VectorOut<2>& out) {
+    HWY_DYNAMIC_DISPATCH(FirstSweep2)(n, a, omega, b, out);
+}
+template <>
+void first_sweep<3>(std::size_t n, const Stencil<3>& a, float omega, const VectorIn<3>& b, const VectorOut<3>& out) {
+    HWY_DYNAMIC_DISPATCH(FirstSweep3)(n, a, omega, b, out);
 }
 template <>
 void residual<2>(std::size_t n, const Stencil<2>& a, const VectorIn<2>& b, const VectorIn<2>& x,

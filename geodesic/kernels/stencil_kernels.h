@@ -40,6 +40,10 @@ template <int Dim>
 void jacobi_sweep(std::size_t n, const Stencil<Dim>& a, float omega, const VectorIn<Dim>& b, const VectorIn<Dim>& x,
                   const VectorOut<Dim>& out);
 
+/// The same from x = 0, which is not read: out = omega block_inverse b.
+template <int Dim>
+void first_sweep(std::size_t n, const Stencil<Dim>& a, float omega, const VectorIn<Dim>& b, const VectorOut<Dim>& out);
+
 /// out = b - A x, for n nodes.
 template <int Dim>
 void residual(std::size_t n, const Stencil<Dim>& a, const VectorIn<Dim>& b, const VectorIn<Dim>& x,

@@ -12,7 +12,7 @@ namespace morphodesic::kernels {
 
 namespace {
 
-constexpr std::size_t chunk = 8192;
+constexpr std::size_t chunk = 4096;  // of double precision: half of a first-level cache
 
 // Compiled for several instruction sets, the best one is taken at run time; products and sums are not fused, so the
 // bits are the same. Sanitizers cannot be loaded before the resolvers of clones run.
@@ -51,12 +51,28 @@ MORPHODESIC_CLONES void add_scaled_chunk(double* y, double factor, const float* 
     for (std::size_t i = 0; i < n; ++i) y[i] += factor * static_cast<double>(x[i]);
 }
 
+MORPHODESIC_CLONES void scale_chunk(double* out, const double* x, double factor, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = factor * x[i];
+}
+
 MORPHODESIC_CLONES void step_chunk(double* out, const double* x, double factor, const double* d, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) out[i] = x[i] + factor * d[i];
 }
 
 MORPHODESIC_CLONES void difference_chunk(float* out, const double* a, const double* b, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) out[i] = static_cast<float>(a[i] - b[i]);
+}
+
+MORPHODESIC_CLONES double dot_chunk(const float* a, const float* b, std::size_t n) {
+    double sums[16] = {};
+    std::size_t i = 0;
+    for (; i + 16 <= n; i += 16) {
+        for (std::size_t j = 0; j < 16; ++j) sums[j] += static_cast<double>(a[i + j]) * static_cast<double>(b[i + j]);
+    }
+    double sum = 0.0;
+    for (; i < n; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+    for (const double s : sums) sum += s;
+    return sum;
 }
 
 template <class Body>
@@ -68,18 +84,6 @@ void for_chunks(std::size_t size, const Body& body) {
         return;
     }
     oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, count, run); });
-}
-
-template <class A, class B>
-double dot_of(std::span<const A> a, std::span<const B> b) {
-    assert(a.size() == b.size());
-    std::vector<double> partial((a.size() + chunk - 1) / chunk, 0.0);
-    for_chunks(a.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
-        partial[c] = dot_chunk(a.data() + begin, b.data() + begin, end - begin);
-    });
-    double total = 0.0;
-    for (const double p : partial) total += p;
-    return total;
 }
 
 /// Least det of I + (edge differences) / h at the corners of the cell at node i, of a field given by its components.
@@ -124,8 +128,15 @@ template <int Dim>
 inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
                                                          const double* const (&d)[Dim],
                                                          const std::ptrdiff_t (&stride)[Dim], double inverse_h,
-                                                         double keep, unsigned char* flag) {
+                                                         double keep, unsigned char* __restrict flag) {
+    int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        flag[i] = least_corner_det<Dim>(w, &d, stride, i, inverse_h) >= keep ? 0 : 1;
+        any |= flag[i];
+    }
+    if (!any) return;
+    for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        if (!flag[i]) continue;
         const double before = least_corner_det<Dim>(w, nullptr, stride, i, inverse_h);
         const double after = least_corner_det<Dim>(w, &d, stride, i, inverse_h);
         flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
@@ -147,16 +158,14 @@ MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* con
 }  // namespace
 
 double dot(std::span<const double> a, std::span<const double> b) {
-    return dot_of(a, b);
-}
-double dot(std::span<const double> a, std::span<const float> b) {
-    return dot_of(a, b);
-}
-
-void add_scaled(std::span<double> y, double factor, std::span<const float> x) {
-    for_chunks(y.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-        add_scaled_chunk(y.data() + begin, factor, x.data() + begin, end - begin);
+    assert(a.size() == b.size());
+    std::vector<double> partial((a.size() + chunk - 1) / chunk, 0.0);
+    for_chunks(a.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
+        partial[c] = dot_chunk(a.data() + begin, b.data() + begin, end - begin);
     });
+    double total = 0.0;
+    for (const double p : partial) total += p;
+    return total;
 }
 
 void step(std::span<double> out, std::span<const double> x, double factor, std::span<const double> d) {
@@ -165,16 +174,42 @@ void step(std::span<double> out, std::span<const double> x, double factor, std::
     });
 }
 
-void difference(std::span<float> out, std::span<const double> a, std::span<const double> b) {
+void dots(std::span<const double> a, std::span<const std::span<const float>> b, std::span<double> result) {
+    assert(b.size() == result.size());
+    const std::size_t count = b.size();
+    std::vector<double> partial((a.size() + chunk - 1) / chunk * count, 0.0);
+    for_chunks(a.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
+        for (std::size_t j = 0; j < count; ++j) {
+            partial[c * count + j] = dot_chunk(a.data() + begin, b[j].data() + begin, end - begin);
+        }
+    });
+    std::fill(result.begin(), result.end(), 0.0);
+    for (std::size_t i = 0; i < partial.size(); ++i) result[i % count] += partial[i];
+}
+
+void combine(std::span<double> out, double factor, std::span<const double> a, std::span<const double> factors,
+             std::span<const std::span<const float>> b) {
+    assert(b.size() == factors.size());
     for_chunks(out.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-        difference_chunk(out.data() + begin, a.data() + begin, b.data() + begin, end - begin);
+        scale_chunk(out.data() + begin, a.data() + begin, factor, end - begin);
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            add_scaled_chunk(out.data() + begin, factors[j], b[j].data() + begin, end - begin);
+        }
     });
 }
 
-void scale(std::span<double> y, double factor) {
-    for_chunks(y.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) y[i] *= factor;
+double differences(std::span<float> s, std::span<const double> x, std::span<const double> x0, std::span<float> y,
+                   std::span<const double> g, std::span<const double> g0) {
+    std::vector<double> partial((s.size() + chunk - 1) / chunk, 0.0);
+    for_chunks(s.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
+        const std::size_t n = end - begin;
+        difference_chunk(s.data() + begin, x.data() + begin, x0.data() + begin, n);
+        difference_chunk(y.data() + begin, g.data() + begin, g0.data() + begin, n);
+        partial[c] = dot_chunk(s.data() + begin, y.data() + begin, n);
     });
+    double total = 0.0;
+    for (const double p : partial) total += p;
+    return total;
 }
 
 template <>

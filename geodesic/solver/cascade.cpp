@@ -26,17 +26,17 @@ std::array<double*, Dim> displacement_of(PathState<Dim>& path, int k) {
 
 template <int Dim>
 Point<Dim> displacement_at(const PathState<Dim>& path, int k, const std::type_identity_t<Point<Dim>>& x) {
-    Point<Dim> w{};
-    for (int a = 0; a < Dim; ++a) {
-        w[static_cast<std::size_t>(a)] = q1::value(path.layout.grid, path.x.data() + path.layout.displacement(k, a), x);
-    }
-    return w;
+    std::array<const double*, Dim> fields;
+    for (int a = 0; a < Dim; ++a) fields[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
+    return q1::values<Dim, Dim>(path.layout.grid, fields, x);
 }
 
-/// Solves x + share w_k(x) = y by damped fixed point iteration; `x` is the start and the result.
+/// Solves x + share w_k(x) = y to a thousandth of a cell by damped fixed point iteration; `x` is the start and the
+/// result.
 template <int Dim>
 void invert_at(const PathState<Dim>& path, int k, double share, const std::type_identity_t<Point<Dim>>& y,
                std::type_identity_t<Point<Dim>>& x) {
+    const double near_enough = 1e-3 * path.layout.grid.spacing();
     double last = 1e300;
     double damping = 1.0;
     for (int iteration = 0; iteration < 60; ++iteration) {
@@ -50,7 +50,7 @@ void invert_at(const PathState<Dim>& path, int k, double share, const std::type_
         if (change > last) damping = std::max(0.25, 0.5 * damping);
         last = change;
         for (std::size_t a = 0; a < Dim; ++a) x[a] = std::clamp(x[a] + damping * step[a], 0.0, 1.0);
-        if (change < 1e-7) break;
+        if (change < near_enough) break;
     }
 }
 
@@ -153,9 +153,9 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     // that interpolating them again and again does not blur the shapes.
     std::vector<VectorField<Dim>> origin(static_cast<std::size_t>(steps), VectorField<Dim>(grid)), target = origin;
     const auto value_at = [&](const VectorField<Dim>& field, const Point<Dim>& x) {
-        Point<Dim> v{};
-        for (std::size_t a = 0; a < Dim; ++a) v[a] = q1::value(grid, field.components[a].data(), x);
-        return v;
+        std::array<const double*, Dim> fields;
+        for (std::size_t a = 0; a < Dim; ++a) fields[a] = field.components[a].data();
+        return q1::values<Dim, Dim>(grid, fields, x);
     };
     for (int k = 1; k < steps; ++k) {
         const auto at = static_cast<std::size_t>(k);

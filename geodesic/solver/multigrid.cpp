@@ -166,9 +166,9 @@ void VCycle<Dim>::cycle(std::size_t depth) {
             std::swap(level.x, level.y);
         }
     };
-    for (auto& x : level.x) std::fill(x.begin(), x.end(), 0.0F);
     const bool coarsest = depth + 1 == levels_.size();
-    smooth(coarsest ? coarsest_sweeps : sweeps);
+    kernels::first_sweep<Dim>(nodes, stencil, omega, reading(level.b), level.inner(level.x));
+    smooth((coarsest ? coarsest_sweeps : sweeps) - 1);
     if (coarsest) return;
     Level& next = levels_[depth + 1];
     kernels::residual<Dim>(nodes, stencil, reading(level.b), reading(level.x), level.inner(level.y));

@@ -10,6 +10,7 @@
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/kernels/vector_kernels.h"
+#include "geodesic/solver/lbfgs_history.h"
 #include "geodesic/solver/path_preconditioner.h"
 #include "geodesic/solver/volume_constraint.h"
 
@@ -24,29 +25,6 @@ constexpr int refresh = 15;          // iterations between two updates of the pr
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
 constexpr int max_renewals = 3;      // of history and preconditioner where steps stall
 constexpr int window = 5;            // iterations over which the decrease is measured
-
-struct Pair {
-    std::vector<float> s, y;
-    double rho;
-};
-
-/// direction = -H gradient, two-loop recursion.
-template <int Dim>
-void lbfgs_direction(const std::deque<Pair>& pairs, PathPreconditioner<Dim>& preconditioner,
-                     const std::vector<double>& gradient, std::vector<double>& work, std::vector<double>& direction) {
-    work = gradient;
-    std::vector<double> alpha(pairs.size());
-    for (std::size_t i = pairs.size(); i-- > 0;) {
-        alpha[i] = pairs[i].rho * kernels::dot(work, pairs[i].s);
-        kernels::add_scaled(work, -alpha[i], pairs[i].y);
-    }
-    preconditioner.apply(work, direction);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const double beta = pairs[i].rho * kernels::dot(direction, pairs[i].y);
-        kernels::add_scaled(direction, alpha[i] - beta, pairs[i].s);
-    }
-    kernels::scale(direction, -1.0);
-}
 
 /// Cells of the background that a step would squeeze at once stop it as a whole, or fold; there the step is shortened,
 /// in those cells alone.
@@ -101,7 +79,15 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     if (!std::isfinite(terms.total)) throw std::invalid_argument("minimize_path: the start folds (infinite energy)");
 
     PathPreconditioner<Dim> preconditioner(energy);
-    std::deque<Pair> pairs;
+    LbfgsHistory history(x.size(), options.history);
+    const auto find_direction = [&] {
+        history.before(gradient, work);
+        preconditioner.apply(work, direction);
+        history.after(direction);
+        if (constraint) constraint->project_direction(x, direction);
+        limit_direction(energy.layout(), x, direction);
+        return kernels::dot(gradient, direction);
+    };
     std::deque<double> energies{terms.total};
     summary.termination = Termination::max_steps;
     int renewals = 0;
@@ -111,16 +97,10 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             break;
         }
         if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
-        lbfgs_direction(pairs, preconditioner, gradient, work, direction);
-        if (constraint) constraint->project_direction(x, direction);
-        limit_direction(energy.layout(), x, direction);
-        double slope = kernels::dot(gradient, std::span<const double>(direction));
+        double slope = find_direction();
         if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
-            pairs.clear();
-            lbfgs_direction(pairs, preconditioner, gradient, work, direction);
-            if (constraint) constraint->project_direction(x, direction);
-            limit_direction(energy.layout(), x, direction);
-            slope = kernels::dot(gradient, std::span<const double>(direction));
+            history.clear();
+            slope = find_direction();
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
         if (-slope <= 1e-12 * terms.total || terms.total < 1e-20) {
@@ -131,7 +111,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         double t = 1.0;
         PathTerms next_terms;
         bool accepted = false;
-        const int halvings = pairs.empty() ? max_halvings : patience;
+        const int halvings = history.empty() ? max_halvings : patience;
         for (int halving = 0; halving < halvings && !accepted; ++halving) {
             kernels::step(next, x, t, direction);
             next_terms = evaluate(next, next_gradient);
@@ -151,8 +131,8 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             }
         }
         if (!accepted) {
-            if (!pairs.empty()) {
-                pairs.clear();
+            if (!history.empty()) {
+                history.clear();
                 preconditioner.update(energy, x);
                 ++summary.iterations;
                 continue;
@@ -163,25 +143,10 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         }
         ++summary.iterations;
 
-        Pair pair;
-        if (static_cast<int>(pairs.size()) == options.history) {  // reuse the memory of the oldest
-            pair = std::move(pairs.front());
-            pairs.pop_front();
-        } else {
-            pair.s.resize(x.size());
-            pair.y.resize(x.size());
-        }
-        kernels::difference(pair.s, next, x);
-        kernels::difference(pair.y, next_gradient, gradient);
-        const double curvature = kernels::dot(next_gradient, pair.s) - kernels::dot(gradient, pair.s);
+        history.add(next, x, next_gradient, gradient, 1e-10 * std::abs(t * slope));
         std::swap(x, next);
         std::swap(gradient, next_gradient);
         terms = std::move(next_terms);
-        if (curvature > 1e-10 * std::abs(t * slope)) {
-            pair.rho = 1.0 / curvature;
-            pairs.push_back(std::move(pair));
-        }
-
         energies.push_back(terms.total);
         if (energies.size() > window + 1) energies.pop_front();
         if (energies.size() == window + 1 &&
@@ -189,7 +154,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             // Short steps against a steep slope: a kink the history knows nothing of, not a minimum.
             if (-slope > 2.0 * options.tolerance * terms.total && renewals < max_renewals) {
                 ++renewals;
-                pairs.clear();
+                history.clear();
                 preconditioner.update(energy, x);
                 energies = {terms.total};
                 continue;

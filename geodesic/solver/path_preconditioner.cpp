@@ -31,29 +31,26 @@ struct MismatchMass {
     }
 };
 
-/// Sums over the quadrature points: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed
-/// point; in the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
+/// Adds a quadrature point: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed point; in
+/// the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
 template <int Dim>
-void add_mismatch_mass(const DyadicGrid<Dim>& grid, const double* from, const double* to,
-                       const DisplacementView<Dim>& w, double eps, double weight, MismatchMass<Dim>& mass) {
-    const auto offsets = q1::corner_offsets(grid);
-    for_each_mismatch_point<Dim>(grid, from, to, w, eps, [&](const MismatchPoint<Dim>& p) {
-        const double here = p.here * p.here, there = p.there * p.there;
-        const double size = weight * std::max(here, there);
-        for (int c = 0; c < (1 << Dim); ++c) {
-            const std::size_t corner = offsets[static_cast<std::size_t>(c)];
-            const double share = q1::shape<Dim>(c, p.fraction);
-            mass.previous_shape[p.node + corner] += static_cast<float>(weight * share * here);
-            mass.shape[p.target.node + corner] +=
-                static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
-            for (int r = 0; r < Dim; ++r) {
-                for (int s = r; s < Dim; ++s) {
-                    mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
-                        static_cast<float>(size * share * p.slope[r] * p.slope[s]);
-                }
+void add_to(MismatchMass<Dim>& mass, const MismatchPoint<Dim>& p, const std::array<std::size_t, 1 << Dim>& offsets,
+            double weight) {
+    const double here = p.here * p.here, there = p.there * p.there;
+    const double size = weight * std::max(here, there);
+    for (int c = 0; c < (1 << Dim); ++c) {
+        const std::size_t corner = offsets[static_cast<std::size_t>(c)];
+        const double share = q1::shape<Dim>(c, p.fraction);
+        mass.previous_shape[p.node + corner] += static_cast<float>(weight * share * here);
+        mass.shape[p.target.node + corner] +=
+            static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
+        for (int r = 0; r < Dim; ++r) {
+            for (int s = r; s < Dim; ++s) {
+                mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
+                    static_cast<float>(size * share * p.slope[r] * p.slope[s]);
             }
         }
-    });
+    }
 }
 }  // namespace
 
@@ -74,6 +71,9 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
     std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps),
                                           MismatchMass<Dim>(layout_.nodes()));
+    const auto offsets = q1::corner_offsets(layout_.grid);
+    const double mass_unit = coupling * 2.0 * energy.eta() * node_volume / (1 << Dim);
+    if (transport_) transport_->follow(energy, x);
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(0, layout_.time_steps, [&](int index) {
             const auto k = static_cast<std::size_t>(index);
@@ -96,8 +96,11 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                 }
                 weight[i] = static_cast<float>(stiffness * local);
             }
-            add_mismatch_mass<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
-                                   coupling * 2.0 * energy.eta() * node_volume / (1 << Dim), masses[k]);
+            for_each_mismatch_point<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
+                                         [&](const MismatchPoint<Dim>& p) {
+                                             add_to<Dim>(masses[k], p, offsets, mass_unit);
+                                             if (transport_) transport_->add_point(index, p);
+                                         });
             cycles_[k].set_operator(weight, masses[k].deformation);
             masses[k].deformation = {};
         });
@@ -112,7 +115,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     });
     masses.clear();
     masses.shrink_to_fit();
-    if (transport_) transport_->update(energy, x, weights, inverse_u_);
+    if (transport_) transport_->build(energy, x, weights, inverse_u_);
 }
 
 template <int Dim>

@@ -38,10 +38,85 @@ TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
 }
 
 template <int Dim>
-void TransportCorrection<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x,
-                                      const std::vector<std::vector<float>>& weights,
-                                      const std::vector<std::vector<float>>& inverse_u) {
+void TransportCorrection<Dim>::follow(const PathEnergy<Dim>& energy, std::span<const double> x) {
     trajectories_.update(energy, x);
+    unit_ = 4.0 * energy.eta() * std::pow(layout_.grid.spacing(), Dim) / (1 << Dim);
+    rest_.resize(static_cast<std::size_t>(layout_.time_steps));
+    for (auto& rest : rest_) {
+        for (auto& m : rest) m.assign(coarse_.node_count(), 0.0F);
+    }
+}
+
+/// The covector e at a place of frame `of`, taken to frame 0 by the map of that frame, into the sums of frame k.
+template <int Dim>
+void TransportCorrection<Dim>::add_rest(int k, int of, std::size_t node, const Point<Dim>& fraction,
+                                        const double (&e)[Dim]) {
+    const auto until = trajectories_.jacobian_at(of, node, fraction);
+    const auto origin = trajectories_.origin_at(of, node, fraction);
+    float taken[Dim];
+    for (int c = 0; c < Dim; ++c) {
+        taken[c] = 0.0F;
+        for (int r = 0; r < Dim; ++r) taken[c] += static_cast<float>(e[r]) * until(r, c);
+    }
+    const auto there = place_of<Dim>(coarse_, origin);
+    const auto s = corner_shares<Dim>(there.fraction);
+    const auto corners = q1::corner_offsets(coarse_);
+    auto& rest = rest_[static_cast<std::size_t>(k)];
+    for (std::size_t c = 0; c < (1 << Dim); ++c) {
+        for (int r = 0; r < Dim; ++r) {
+            for (int t = r; t < Dim; ++t) {
+                rest[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, t))][there.node + corners[c]] +=
+                    static_cast<float>(unit_) * s[c] * taken[r] * taken[t];
+            }
+        }
+    }
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::add_point(int k, const MismatchPoint<Dim>& p) {
+    const auto& grid = layout_.grid;
+    const auto corners = q1::corner_offsets(grid);
+    const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node, const Point<Dim>& fraction,
+                        double (&value)[Dim]) {
+        for (std::size_t a = 0; a < Dim; ++a) {
+            value[a] = 0.0;
+            for (int c = 0; c < (1 << Dim); ++c) {
+                value[a] += q1::shape<Dim>(c, fraction) *
+                            static_cast<double>(field[a][node + corners[static_cast<std::size_t>(c)]]);
+            }
+        }
+    };
+    double g[Dim], e[Dim];
+    if (k + 1 < layout_.time_steps) {  // frame k + 1 moves: u_{k+1} is carried by its gradient at the nodes
+        at(trajectories_.frame(k + 1).gradient, p.target.node, p.target.fraction, g);
+        for (int a = 0; a < Dim; ++a) e[a] = p.there * (p.slope[a] - g[a]);
+        add_rest(k, k + 1, p.target.node, p.target.fraction, e);
+    }
+    if (k > 0) {  // frame k moves: u_k is carried, and phi_{k+1} starts from elsewhere
+        at(trajectories_.frame(k).gradient, p.node, p.fraction, g);
+        for (int b = 0; b < Dim; ++b) {
+            e[b] = p.here * g[b] - p.there * p.slope[b];
+            for (int a = 0; a < Dim; ++a) {
+                double d = 0.0;
+                for (int c = 0; c < (1 << Dim); ++c) {
+                    d += q1::shape_slope<Dim>(c, p.fraction, b) * p.displacement[a][c];
+                }
+                e[b] -= p.there * p.slope[a] * d * grid.cells_per_axis();
+            }
+        }
+        add_rest(k, k, p.node, p.fraction, e);
+    }
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::build(const PathEnergy<Dim>& energy, std::span<const double> x,
+                                     const std::vector<std::vector<float>>& weights,
+                                     const std::vector<std::vector<float>>& inverse_u) {
+    constexpr std::size_t entries = kernels::symmetric_entries<Dim>;
+    const auto corners = q1::corner_offsets(coarse_);
+    const std::size_t coarse_nodes = coarse_.node_count();
+    const int steps = layout_.time_steps;
+    trajectories_.finish();
     for (std::size_t k = 0; k < inverse_u.size(); ++k) {
         // PathPreconditioner takes u_k for twice as stiff as the mismatch makes it. Far from the contour nothing
         // resists a change of u_k, and single nodes would become positive unseen by any quadrature point.
@@ -50,23 +125,9 @@ void TransportCorrection<Dim>::update(const PathEnergy<Dim>& energy, std::span<c
             level_unit_[k][i] = near_contour(u[i], energy.eps()) * std::sqrt(2.0F * inverse_u[k][i]);
         }
     }
-    build_operators(energy, x, weights);
-    trajectories_.finish();
-}
-
-template <int Dim>
-void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, std::span<const double> x,
-                                               const std::vector<std::vector<float>>& weights) {
-    constexpr std::size_t entries = kernels::symmetric_entries<Dim>;
-    const auto& grid = layout_.grid;
-    const auto corners = q1::corner_offsets(grid), coarse_corners = q1::corner_offsets(coarse_);
-    const std::size_t coarse_nodes = coarse_.node_count();
-    const int steps = layout_.time_steps;
-    const double unit = 2.0 * energy.eta() * std::pow(grid.spacing(), Dim) / (1 << Dim);
-    // Per frame: what comes from its nodes and quadrature points.
+    // Per frame: what comes from its nodes.
     struct Sums {
         std::vector<float> weight, share;
-        typename VCycle<Dim>::Mass rest;
     };
     std::vector<Sums> sums(static_cast<std::size_t>(steps));
     for_indices(0, steps, [&](int k) {
@@ -74,83 +135,23 @@ void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, st
         const auto& frame = trajectories_.frame(k);
         sum.weight.assign(coarse_nodes, 0.0F);
         sum.share.assign(coarse_nodes, 0.0F);
-        for (auto& m : sum.rest) m.assign(coarse_nodes, 0.0F);
         for (std::size_t i = 0; i < layout_.nodes(); ++i) {
             const auto s = frame.shares(i);
             for (std::size_t c = 0; c < (1 << Dim); ++c) {
-                sum.weight[frame.cell[i] + coarse_corners[c]] += s[c] * weights[static_cast<std::size_t>(k)][i];
-                sum.share[frame.cell[i] + coarse_corners[c]] += s[c];
+                sum.weight[frame.cell[i] + corners[c]] += s[c] * weights[static_cast<std::size_t>(k)][i];
+                sum.share[frame.cell[i] + corners[c]] += s[c];
             }
         }
-        // The covector e at a place of frame `of`, taken to frame 0 by the map of that frame.
-        const auto add_rest = [&](int of, std::size_t node, const Point<Dim>& fraction, const double(&e)[Dim]) {
-            const auto until = trajectories_.jacobian_at(of, node, fraction);
-            const auto origin = trajectories_.origin_at(of, node, fraction);
-            float taken[Dim];
-            for (int c = 0; c < Dim; ++c) {
-                taken[c] = 0.0F;
-                for (int r = 0; r < Dim; ++r) taken[c] += static_cast<float>(e[r]) * until(r, c);
-            }
-            const auto there = place_of<Dim>(coarse_, origin);
-            const auto s = corner_shares<Dim>(there.fraction);
-            for (std::size_t c = 0; c < (1 << Dim); ++c) {
-                for (int r = 0; r < Dim; ++r) {
-                    for (int t = r; t < Dim; ++t) {
-                        sum.rest[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, t))]
-                                [there.node + coarse_corners[c]] +=
-                            static_cast<float>(2.0 * unit) * s[c] * taken[r] * taken[t];
-                    }
-                }
-            }
-        };
-        DisplacementView<Dim> w;
-        for (int a = 0; a < Dim; ++a) {
-            w[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(k + 1, a);
-        }
-        const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node,
-                            const Point<Dim>& fraction, double(&value)[Dim]) {
-            for (std::size_t a = 0; a < Dim; ++a) {
-                value[a] = 0.0;
-                for (int c = 0; c < (1 << Dim); ++c) {
-                    value[a] += q1::shape<Dim>(c, fraction) *
-                                static_cast<double>(field[a][node + corners[static_cast<std::size_t>(c)]]);
-                }
-            }
-        };
-        for_each_mismatch_point<Dim>(
-            grid, energy.level_set(x, k), energy.level_set(x, k + 1), w, energy.eps(),
-            [&](const MismatchPoint<Dim>& p) {
-                double g[Dim], e[Dim];
-                if (k + 1 < steps) {  // frame k + 1 moves: u_{k+1} is carried by its gradient at the nodes
-                    at(trajectories_.frame(k + 1).gradient, p.target.node, p.target.fraction, g);
-                    for (int a = 0; a < Dim; ++a) e[a] = p.there * (p.slope[a] - g[a]);
-                    add_rest(k + 1, p.target.node, p.target.fraction, e);
-                }
-                if (k > 0) {  // frame k moves: u_k is carried, and phi_{k+1} starts from elsewhere
-                    at(frame.gradient, p.node, p.fraction, g);
-                    for (int b = 0; b < Dim; ++b) {
-                        e[b] = p.here * g[b] - p.there * p.slope[b];
-                        for (int a = 0; a < Dim; ++a) {
-                            double d = 0.0;
-                            for (int c = 0; c < (1 << Dim); ++c) {
-                                d += q1::shape_slope<Dim>(c, p.fraction, b) * p.displacement[a][c];
-                            }
-                            e[b] -= p.there * p.slope[a] * d * grid.cells_per_axis();
-                        }
-                    }
-                    add_rest(k, p.node, p.fraction, e);
-                }
-            });
     });
 
     std::vector<float> weight(coarse_nodes, 0.0F), share(coarse_nodes, 0.0F);
     typename VCycle<Dim>::Mass rest;
     for (auto& m : rest) m.assign(coarse_nodes, 0.0F);
-    for (const Sums& sum : sums) {
+    for (std::size_t k = 0; k < sums.size(); ++k) {
         for (std::size_t i = 0; i < coarse_nodes; ++i) {
-            weight[i] += sum.weight[i];
-            share[i] += sum.share[i];
-            for (std::size_t e = 0; e < entries; ++e) rest[e][i] += sum.rest[e][i] / static_cast<float>(steps - 1);
+            weight[i] += sums[k].weight[i];
+            share[i] += sums[k].share[i];
+            for (std::size_t e = 0; e < entries; ++e) rest[e][i] += rest_[k][e][i] / static_cast<float>(steps - 1);
         }
     }
     const auto floor =
@@ -168,34 +169,31 @@ void TransportCorrection<Dim>::build_operators(const PathEnergy<Dim>& energy, st
     });
 }
 
+template <int Dim>
+kernels::TransportMaps<Dim> TransportCorrection<Dim>::maps(int k) const {
+    const auto& frame = trajectories_.frame(k);
+    const auto corners = q1::corner_offsets(coarse_);
+    kernels::TransportMaps<Dim> m{};
+    m.cell = frame.cell.data();
+    for (std::size_t a = 0; a < Dim; ++a) {
+        m.fraction[a] = frame.fraction[a].data();
+        m.q[a] = frame.q[a].data();
+    }
+    for (std::size_t e = 0; e < Dim * Dim; ++e) m.a[e] = frame.a[e].data();
+    m.d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
+    std::copy(corners.begin(), corners.end(), m.corner);
+    return m;
+}
+
 /// Transposed maps of frame k: its gradients, summed at the coarse nodes.
 template <int Dim>
 void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
-    const auto corners = q1::corner_offsets(coarse_);
-    const auto& frame = trajectories_.frame(k);
     auto& buffer = buffers_[static_cast<std::size_t>(k)];
     std::fill(buffer.begin(), buffer.end(), 0.0F);
     const double* g[Dim];
     for (int a = 0; a < Dim; ++a) g[a] = gradient.data() + layout_.displacement(k + 1, a);
     const double* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
-    const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
-    for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-        std::array<float, width> value{};
-        for (std::size_t r = 0; r < Dim; ++r) {
-            const auto from = static_cast<float>(g[r][i]);
-            for (std::size_t c = 0; c < Dim; ++c) value[c] += frame.a[r * Dim + c][i] * from;
-        }
-        if (k > 0) {
-            const auto from = static_cast<float>(gu[i]);
-            for (std::size_t c = 0; c < Dim; ++c) value[Dim + c] = -frame.q[c][i] * from;
-            value[2 * Dim] = d[i] * from;
-        }
-        const auto s = frame.shares(i);
-        for (std::size_t c = 0; c < (1 << Dim); ++c) {
-            float* out = buffer.data() + (frame.cell[i] + corners[c]) * width;
-            for (std::size_t f = 0; f < width; ++f) out[f] += s[c] * value[f];
-        }
-    }
+    kernels::push<Dim>(layout_.nodes(), maps(k), g, gu, buffer.data());
 }
 
 /// Gradients in v_k, z_k, y_k in the buffers -> corrections v_k, z_k, y_k.
@@ -273,30 +271,10 @@ void TransportCorrection<Dim>::solve() {
 
 template <int Dim>
 void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
-    const auto corners = q1::corner_offsets(coarse_);
-    const auto& frame = trajectories_.frame(k);
-    const auto& buffer = buffers_[static_cast<std::size_t>(k)];
     double* to[Dim];
     for (int a = 0; a < Dim; ++a) to[a] = direction.data() + layout_.displacement(k + 1, a);
     double* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
-    const float* d = k > 0 ? level_unit_[static_cast<std::size_t>(k - 1)].data() : nullptr;
-    for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-        const auto s = frame.shares(i);
-        std::array<float, width> value{};
-        for (std::size_t c = 0; c < (1 << Dim); ++c) {
-            const float* in = buffer.data() + (frame.cell[i] + corners[c]) * width;
-            for (std::size_t f = 0; f < width; ++f) value[f] += s[c] * in[f];
-        }
-        for (std::size_t r = 0; r < Dim; ++r) {
-            float sum = 0.0F;
-            for (std::size_t c = 0; c < Dim; ++c) sum += frame.a[r * Dim + c][i] * value[c];
-            to[r][i] += static_cast<double>(sum);
-        }
-        if (k == 0) continue;
-        float change = d[i] * value[2 * Dim];
-        for (std::size_t c = 0; c < Dim; ++c) change -= frame.q[c][i] * value[Dim + c];
-        to_u[i] += static_cast<double>(change);
-    }
+    kernels::pull<Dim>(layout_.nodes(), maps(k), buffers_[static_cast<std::size_t>(k)].data(), to, to_u);
 }
 
 template <int Dim>

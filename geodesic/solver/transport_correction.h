@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "geodesic/energy/path_energy.h"
+#include "geodesic/kernels/transport_kernels.h"
+#include "geodesic/solver/mismatch_points.h"
 #include "geodesic/solver/multigrid.h"
 #include "geodesic/solver/trajectories.h"
 
@@ -28,21 +30,24 @@ class TransportCorrection {
 public:
     explicit TransportCorrection(const PathLayout<Dim>& layout);
 
-    /// Builds the maps and operators at the path x.
+    /// Building the maps and operators at the path x takes three calls: the points of the path are followed first,
+    void follow(const PathEnergy<Dim>& energy, std::span<const double> x);
+    /// then the mismatch of each step k = 0..K-1 is added point by point (calls for different steps may be concurrent),
+    void add_point(int k, const MismatchPoint<Dim>& point);
+    /// and then the operators are built.
     /// @param weights    stiffness of the steps k = 1..K at the nodes of frame k - 1
     /// @param inverse_u  1 / curvature of the mismatch in u_k with the factor PathPreconditioner uses, k = 1..K-1
-    void update(const PathEnergy<Dim>& energy, std::span<const double> x,
-                const std::vector<std::vector<float>>& weights, const std::vector<std::vector<float>>& inverse_u);
+    void build(const PathEnergy<Dim>& energy, std::span<const double> x,
+               const std::vector<std::vector<float>>& weights, const std::vector<std::vector<float>>& inverse_u);
 
     /// direction += correction for the gradient; symmetric and positive semidefinite. Both in PathLayout order.
     void add(std::span<const double> gradient, std::span<double> direction);
 
 private:
-    /// Entries per coarse node: v, z, y, and padding to a power of two.
-    static constexpr std::size_t width = 8;
+    static constexpr std::size_t width = kernels::transport_width;
     static_assert(2 * Dim + 1 <= width);
-    void build_operators(const PathEnergy<Dim>& energy, std::span<const double> x,
-                         const std::vector<std::vector<float>>& weights);
+    void add_rest(int k, int of, std::size_t node, const Point<Dim>& fraction, const double (&e)[Dim]);
+    [[nodiscard]] kernels::TransportMaps<Dim> maps(int k) const;
     void push(int k, std::span<const double> gradient);
     void solve();
     void pull(int k, std::span<double> direction) const;
@@ -50,6 +55,8 @@ private:
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
     Trajectories<Dim> trajectories_;
+    double unit_ = 0.0;                                                        // of the mismatch at a point
+    std::vector<typename VCycle<Dim>::Mass> rest_;                             // per step, [coarse nodes]
     std::vector<std::vector<float>> level_unit_;                               // d_k, k = 1..K-1
     std::vector<std::vector<float>> buffers_;                                  // per frame, [coarse nodes][width]
     std::vector<VCycle<Dim>> modes_;                                           // m = 1..K-1

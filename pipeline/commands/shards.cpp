@@ -239,7 +239,8 @@ int plan(const ShardOptions& options) {
 }
 
 int shard(const ShardOptions& options) {
-    const auto [number, count] = shard_number(options.shard);
+    const auto shard = shard_number(options.shard);
+    const int number = shard.first, count = shard.second;
     const int threads = thread_count(options.common);
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     const fs::path file = fs::is_directory(options.study) ? options.study / "shards" / "plan.sqlite" : options.study;

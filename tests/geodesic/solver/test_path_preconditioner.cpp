@@ -75,7 +75,17 @@ TYPED_TEST(PathPreconditionerIn, TransportCorrectionIsSymmetricAndSemidefinite) 
     TransportCorrection<Dim> correction(layout);
     const std::vector<std::vector<float>> weights(4, std::vector<float>(layout.nodes(), 14.0F));
     const std::vector<std::vector<float>> inverse_u(3, std::vector<float>(layout.nodes(), 0.1F));
-    correction.update(problem.energy, problem.x, weights, inverse_u);
+    correction.follow(problem.energy, problem.x);
+    for (int k = 0; k < layout.time_steps; ++k) {
+        DisplacementView<Dim> w;
+        for (int a = 0; a < Dim; ++a) {
+            w[static_cast<std::size_t>(a)] = problem.x.data() + layout.displacement(k + 1, a);
+        }
+        for_each_mismatch_point<Dim>(layout.grid, problem.energy.level_set(problem.x, k),
+                                     problem.energy.level_set(problem.x, k + 1), w, problem.energy.eps(),
+                                     [&](const MismatchPoint<Dim>& p) { correction.add_point(k, p); });
+    }
+    correction.build(problem.energy, problem.x, weights, inverse_u);
     for (unsigned seed = 1; seed < 4; ++seed) {
         const auto a = random_gradient<Dim>(layout, seed), b = random_gradient<Dim>(layout, seed + 10);
         std::vector<double> ta(a.size()), tb(b.size());

@@ -1,0 +1,75 @@
+#include "geodesic/solver/lbfgs_history.h"
+
+#include <utility>
+
+#include "geodesic/kernels/vector_kernels.h"
+
+namespace morphodesic {
+
+void LbfgsHistory::clear() {
+    if (!pairs_.empty()) spare_ = std::move(pairs_.back());
+    pairs_.clear();
+    added_ = false;
+}
+
+void LbfgsHistory::before(std::span<const double> gradient, std::span<double> remainder) {
+    const std::size_t count = pairs_.size();
+    std::vector<std::span<const float>> s, y;
+    for (const Pair& pair : pairs_) {
+        s.emplace_back(pair.s);
+        y.emplace_back(pair.y);
+    }
+    std::vector<double> slope(count), factor(count);
+    kernels::dots(gradient, s, slope);
+    for (std::size_t i = 0; i < count; ++i) {
+        // s_i . y of the newest pair is the change of s_i . g in the step that made it.
+        if (added_ && i + 1 < count) pairs_[i].later.push_back(slope[i] - pairs_[i].slope);
+        pairs_[i].slope = slope[i];
+    }
+    added_ = false;
+    for (std::size_t i = count; i-- > 0;) {
+        double sum = slope[i];
+        for (std::size_t j = i + 1; j < count; ++j) sum -= pairs_[j].alpha * pairs_[i].later[j - i - 1];
+        pairs_[i].alpha = sum / pairs_[i].curvature;
+        factor[i] = -pairs_[i].alpha;
+    }
+    kernels::combine(remainder, 1.0, gradient, factor, y);
+}
+
+void LbfgsHistory::after(std::span<double> direction) const {
+    const std::size_t count = pairs_.size();
+    std::vector<std::span<const float>> s, y;
+    for (const Pair& pair : pairs_) {
+        s.emplace_back(pair.s);
+        y.emplace_back(pair.y);
+    }
+    std::vector<double> product(count), factor(count);
+    kernels::dots(direction, y, product);
+    for (std::size_t i = 0; i < count; ++i) {
+        double sum = product[i];
+        for (std::size_t j = 0; j < i; ++j) sum -= factor[j] * pairs_[j].later[i - j - 1];
+        factor[i] = sum / pairs_[i].curvature - pairs_[i].alpha;
+    }
+    kernels::combine(direction, -1.0, direction, factor, s);
+}
+
+void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, std::span<const double> g,
+                       std::span<const double> g0, double least) {
+    if (pairs_.size() == capacity_) {
+        spare_ = std::move(pairs_.front());
+        pairs_.erase(pairs_.begin());
+    }
+    Pair pair = std::exchange(spare_, {});
+    pair.later.clear();
+    pair.s.resize(size_);
+    pair.y.resize(size_);
+    pair.curvature = kernels::differences(pair.s, x, x0, pair.y, g, g0);
+    if (!(pair.curvature > least)) {
+        spare_ = std::move(pair);
+        return;
+    }
+    pairs_.push_back(std::move(pair));
+    added_ = true;
+}
+
+}  // namespace morphodesic

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace morphodesic {
+
+/// The last steps s_i and changes of the gradient y_i of a minimisation, single precision, and the direction of L-BFGS
+/// from them. The two loops [Nocedal & Wright, algorithm 7.4] are run on scalar products: with s_i . y_j at hand, all
+/// s_i . g come from one pass over the vectors, and so do the sums, so memory is read four times in all instead of
+/// four times per pair.
+class LbfgsHistory {
+public:
+    LbfgsHistory(std::size_t size, int capacity) : size_(size), capacity_(static_cast<std::size_t>(capacity)) {}
+
+    [[nodiscard]] bool empty() const { return pairs_.empty(); }
+    void clear();
+
+    /// First loop: remainder = g - sum_i alpha_i y_i, which the preconditioner is applied to.
+    void before(std::span<const double> gradient, std::span<double> remainder);
+    /// Second loop, in place: direction = -(r + sum_i (alpha_i - beta_i) s_i) from the preconditioned remainder r.
+    void after(std::span<double> direction) const;
+
+    /// Takes up the step x0 -> x if its curvature s . y is above `least`; the oldest pair goes if there is no room.
+    /// The gradient g0 must be that of the last call of before().
+    void add(std::span<const double> x, std::span<const double> x0, std::span<const double> g,
+             std::span<const double> g0, double least);
+
+private:
+    struct Pair {
+        std::vector<float> s, y;
+        double curvature = 0.0;         // s . y
+        std::vector<double> later;      // s . y_j of the pairs after this one
+        double slope = 0.0;             // s . g at the last gradient seen
+        double alpha = 0.0;
+    };
+
+    std::size_t size_, capacity_;
+    std::vector<Pair> pairs_;  // oldest first
+    Pair spare_;               // memory of a pair that was dropped
+    bool added_ = false;       // since the last gradient seen
+};
+
+}  // namespace morphodesic
