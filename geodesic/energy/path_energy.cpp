@@ -26,20 +26,20 @@ void for_all(int count, const Body& body) {
     oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(0, count, body); });
 }
 
-template <int Dim>
-void clear_boundary(const DyadicGrid<Dim>& grid, double* field) {
+template <int Dim, class T>
+void clear_boundary(const DyadicGrid<Dim>& grid, T* field) {
     const int n = grid.nodes_per_axis();
     const auto row = static_cast<std::size_t>(n);
     const int planes = Dim == 3 ? n : 1;
     for (int plane = 0; plane < planes; ++plane) {
-        double* base = field + static_cast<std::size_t>(plane) * row * row;
+        T* base = field + static_cast<std::size_t>(plane) * row * row;
         if (Dim == 3 && (plane == 0 || plane == n - 1)) {
-            std::fill(base, base + row * row, 0.0);
+            std::fill(base, base + row * row, T{});
             continue;
         }
-        std::fill(base, base + row, 0.0);
-        std::fill(base + row * (row - 1), base + row * row, 0.0);
-        for (std::size_t j = 1; j + 1 < row; ++j) base[j * row] = base[j * row + row - 1] = 0.0;
+        std::fill(base, base + row, T{});
+        std::fill(base + row * (row - 1), base + row * row, T{});
+        for (std::size_t j = 1; j + 1 < row; ++j) base[j * row] = base[j * row + row - 1] = T{};
     }
 }
 
@@ -75,7 +75,7 @@ PathEnergy<Dim>::PathEnergy(const LevelSet<Dim>& first, const LevelSet<Dim>& las
     slabs_.resize(static_cast<std::size_t>(time_steps));
     for (auto& slabs : slabs_) {
         for (int begin = 0; begin < cells; begin += thickness) {
-            slabs.push_back({begin, begin + thickness, {}, 0, 0, {}});
+            slabs.push_back({begin, begin + thickness, 0, 0, {}});
         }
     }
 }
@@ -88,33 +88,39 @@ const double* PathEnergy<Dim>::level_set(std::span<const double> x, int k) const
 }
 
 template <int Dim>
-void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, std::span<const double> x, std::span<double> gradient) {
-    const int last_step = layout_.time_steps;
+template <class T>
+void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const Fields<T>& f, std::span<T> gradient,
+                                    std::vector<T>& scatter) {
+    const int last_step = layout_.time_steps, cells = layout_.grid.cells_per_axis();
     const std::size_t plane = layout_.nodes() / static_cast<std::size_t>(layout_.grid.nodes_per_axis());
-    kernels::StepFields<Dim> fields{};
-    kernels::StepGradients<Dim> out{};
-    for (int a = 0; a < Dim; ++a) fields.displacement[a] = x.data() + layout_.displacement(k, a);
-    fields.u_previous = level_set(x, k - 1);
-    fields.u_next = level_set(x, k);
-    fields.mask = k == 1 && !mask_.values.empty() ? mask_.values.data() : nullptr;
+    kernels::StepFields<Dim, T> fields{};
+    kernels::StepGradients<Dim, T> out{};
+    for (int a = 0; a < Dim; ++a) fields.displacement[a] = f.x + layout_.displacement(k, a);
+    fields.u_previous = k == 1 ? f.first : f.x + layout_.level_set(k - 1);
+    fields.u_next = k == last_step ? f.last : f.x + layout_.level_set(k);
+    fields.mask = k == 1 ? f.mask : nullptr;
     if (!gradient.empty()) {
         for (int a = 0; a < Dim; ++a) out.displacement[a] = gradient.data() + layout_.displacement(k, a);
         out.u_previous = k > 1 ? gradient.data() + layout_.level_set(k - 1) : nullptr;
+        // The rows it adds to; those shared with slabs that came before are clear already.
+        const auto clear_from = static_cast<std::size_t>(slab.begin + (shares_rows ? 1 : 0)) * plane;
+        const auto clear_to = static_cast<std::size_t>(slab.end + (shares_rows && slab.end < cells ? 0 : 1)) * plane;
+        for (T* field : out.displacement) std::fill(field + clear_from, field + clear_to, T{});
+        if (out.u_previous) std::fill(out.u_previous + clear_from, out.u_previous + clear_to, T{});
         if (k < last_step) {
             // Rows of u_k that the deformed slab can reach.
-            const double* w = fields.displacement[Dim - 1];
+            const T* w = fields.displacement[Dim - 1];
             const auto from = static_cast<std::size_t>(slab.begin) * plane;
             const auto to = static_cast<std::size_t>(slab.end + 1) * plane;
             const auto [low, high] = std::minmax_element(w + from, w + to);
-            const double per_cell = layout_.grid.cells_per_axis();
-            const int cells = layout_.grid.cells_per_axis();
             const auto clamped = [&](double row) { return static_cast<int>(std::clamp(row, 0.0, 1.0 * cells)); };
-            slab.first_row = clamped(std::floor(slab.begin + *low * per_cell));
+            slab.first_row = clamped(std::floor(slab.begin + static_cast<double>(*low) * cells));
             slab.first_row = std::min(slab.first_row, cells - 1);
-            const int last_row = std::max(clamped(std::floor(slab.end + *high * per_cell) + 1), slab.first_row + 1);
+            const int last_row =
+                std::max(clamped(std::floor(slab.end + static_cast<double>(*high) * cells) + 1), slab.first_row + 1);
             slab.rows = last_row - slab.first_row + 1;
-            slab.scatter.assign(static_cast<std::size_t>(slab.rows) * plane, 0.0);
-            out.u_next = slab.scatter.data();
+            scatter.assign(static_cast<std::size_t>(slab.rows) * plane, T{});
+            out.u_next = scatter.data();
             out.u_next_first_row = slab.first_row;
         }
     }
@@ -126,31 +132,13 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, std::span<const double> x
                                        static_cast<double>(last_step),
                                        eta_,
                                        barrier_weight * last_step};
-    slab.sums = kernels::step_energy_rows<Dim>(slab.begin, slab.end, fields, weights, out);
+    slab.sums = kernels::step_energy_rows<Dim, T>(slab.begin, slab.end, fields, weights, out);
 }
 
+/// Terms from the sums of the slabs; total is infinite where a deformation folds.
 template <int Dim>
-PathTerms PathEnergy<Dim>::evaluate(std::span<const double> x, std::span<double> gradient) {
-    assert(x.size() == layout_.size());
-    assert(gradient.empty() || gradient.size() == layout_.size());
+PathTerms PathEnergy<Dim>::collect() const {
     const int steps = layout_.time_steps;
-    const int slab_count = static_cast<int>(slabs_[0].size());
-    const std::size_t nodes = layout_.nodes();
-    if (!gradient.empty()) {
-        for_all(layout_.field_count(), [&](int field) {
-            double* out = gradient.data() + static_cast<std::size_t>(field) * nodes;
-            std::fill(out, out + nodes, 0.0);
-        });
-    }
-    // Neighbouring slabs share a row of nodes: even slabs first, then odd ones.
-    for (int colour = 0; colour < 2; ++colour) {
-        const int coloured = (slab_count + 1 - colour) / 2;
-        for_all(steps * coloured, [&](int task) {
-            const int k = task / coloured, s = 2 * (task % coloured) + colour;
-            evaluate_slab(k + 1, slabs_[static_cast<std::size_t>(k)][static_cast<std::size_t>(s)], x, gradient);
-        });
-    }
-
     PathTerms terms;
     terms.deformation.assign(static_cast<std::size_t>(steps), 0.0);
     terms.mismatch.assign(static_cast<std::size_t>(steps), 0.0);
@@ -170,33 +158,95 @@ PathTerms PathEnergy<Dim>::evaluate(std::span<const double> x, std::span<double>
         terms.total += steps * terms.deformation[k] + eta_ * terms.mismatch[k];
     }
     terms.total += terms.barrier;
-    if (!admissible || !std::isfinite(terms.total)) {
-        terms.total = std::numeric_limits<double>::infinity();
-        return terms;
+    if (!admissible || !std::isfinite(terms.total)) terms.total = std::numeric_limits<double>::infinity();
+    return terms;
+}
+
+template <int Dim>
+template <class T>
+PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const double> x, std::span<T> gradient,
+                                       Scatter<T>& scatter) {
+    const int steps = layout_.time_steps;
+    const int slab_count = static_cast<int>(slabs_[0].size());
+    const std::size_t nodes = layout_.nodes();
+    scatter.resize(slabs_.size());
+    for (auto& step : scatter) step.resize(static_cast<std::size_t>(slab_count));
+    // Neighbouring slabs share a row of nodes: even slabs first, then odd ones.
+    for (int colour = 0; colour < 2; ++colour) {
+        const int coloured = (slab_count + 1 - colour) / 2;
+        for_all(steps * coloured, [&](int task) {
+            const auto k = static_cast<std::size_t>(task / coloured);
+            const auto s = static_cast<std::size_t>(2 * (task % coloured) + colour);
+            evaluate_slab<T>(task / coloured + 1, slabs_[k][s], colour == 1, fields, gradient, scatter[k][s]);
+        });
     }
+    PathTerms terms = collect();
+    if (!std::isfinite(terms.total)) return terms;
 
     if (!gradient.empty()) {
         const std::size_t plane = nodes / static_cast<std::size_t>(layout_.grid.nodes_per_axis());
         for_all(steps, [&](int index) {
             const int k = index + 1;
-            for (int a = 0; a < Dim; ++a) clear_boundary(layout_.grid, gradient.data() + layout_.displacement(k, a));
+            for (int a = 0; a < Dim; ++a) {
+                clear_boundary<Dim, T>(layout_.grid, gradient.data() + layout_.displacement(k, a));
+            }
             if (k == steps) return;
-            double* target = gradient.data() + layout_.level_set(k);
-            for (const Slab& slab : slabs_[static_cast<std::size_t>(index)]) {
-                double* out = target + static_cast<std::size_t>(slab.first_row) * plane;
-                for (std::size_t i = 0; i < slab.scatter.size(); ++i) out[i] += slab.scatter[i];
+            T* target = gradient.data() + layout_.level_set(k);
+            for (std::size_t s = 0; s < static_cast<std::size_t>(slab_count); ++s) {
+                const auto i = static_cast<std::size_t>(index);
+                T* out = target + static_cast<std::size_t>(slabs_[i][s].first_row) * plane;
+                for (const T value : scatter[i][s]) *out++ += value;
             }
         });
     }
     if (options_.area_weight > 0) {
         const double factor = options_.area_weight / steps;
+        std::vector<double> part(gradient.empty() ? 0 : nodes);
         for (int k = 1; k <= steps; ++k) {
-            double* out = gradient.empty() || k == steps ? nullptr : gradient.data() + layout_.level_set(k);
-            terms.area += area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, out);
+            const bool wanted = !gradient.empty() && k < steps;
+            std::fill(part.begin(), part.end(), 0.0);
+            terms.area += area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, wanted ? part.data() : nullptr);
+            for (std::size_t i = 0; wanted && i < nodes; ++i) {
+                gradient[layout_.level_set(k) + i] += static_cast<T>(part[i]);
+            }
         }
         terms.total += factor * terms.area;
     }
     return terms;
+}
+
+template <int Dim>
+PathTerms PathEnergy<Dim>::evaluate(std::span<const double> x, std::span<double> gradient) {
+    assert(x.size() == layout_.size());
+    assert(gradient.empty() || gradient.size() == layout_.size());
+    const Fields<double> fields{x.data(), first_.values.data(), last_.values.data(),
+                                mask_.values.empty() ? nullptr : mask_.values.data()};
+    return evaluate_as<double>(fields, x, gradient, scatter_);
+}
+
+template <int Dim>
+PathTerms PathEnergy<Dim>::evaluate_single(std::span<const double> x, std::span<float> gradient) {
+    assert(x.size() == layout_.size());
+    assert(gradient.empty() || gradient.size() == layout_.size());
+    if (layout_.grid.level() < 4) {  // fewer cells in a row than lanes
+        std::vector<double> twice(gradient.size());
+        auto terms = evaluate(x, twice);
+        std::copy(twice.begin(), twice.end(), gradient.begin());
+        return terms;
+    }
+    if (single_first_.empty()) {
+        single_first_.assign(first_.values.begin(), first_.values.end());
+        single_last_.assign(last_.values.begin(), last_.values.end());
+        single_mask_.assign(mask_.values.begin(), mask_.values.end());
+        single_x_.resize(layout_.size());
+    }
+    for_all(layout_.field_count(), [&](int field) {
+        const auto from = layout_.nodes() * static_cast<std::size_t>(field);
+        for (std::size_t i = from; i < from + layout_.nodes(); ++i) single_x_[i] = static_cast<float>(x[i]);
+    });
+    const Fields<float> fields{single_x_.data(), single_first_.data(), single_last_.data(),
+                               single_mask_.empty() ? nullptr : single_mask_.data()};
+    return evaluate_as<float>(fields, x, gradient, single_scatter_);
 }
 
 template class PathEnergy<2>;

@@ -292,13 +292,14 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
 
 template <int Dim>
 int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,
-                 const std::array<double*, Dim>& change, double keep) {
+                 const std::array<float*, Dim>& change, double keep) {
     const double inverse_h = grid.cells_per_axis();
     const auto cells = static_cast<std::size_t>(grid.cells_per_axis()), nodes = cells + 1;
     std::ptrdiff_t stride[Dim] = {1};
     for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::ptrdiff_t>(nodes);
     const auto squeezed = [&](std::size_t node, std::size_t count, unsigned char* flag) {
-        const double *w[Dim], *d[Dim];
+        const double* w[Dim];
+        const float* d[Dim];
         for (std::size_t a = 0; a < Dim; ++a) {
             w[a] = displacement[a] + node;
             d[a] = change[a] + node;
@@ -327,7 +328,7 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
             for_box(low, 1, 0, [&](const auto& i) {
                 const std::size_t node = grid.index(i);
                 if (std::exchange(node_seen[node], round) == round) return;
-                for (double* d : change) d[node] *= 0.5;
+                for (float* d : change) d[node] *= 0.5F;
             });
             for_box(low, 1, -1, [&](const auto& i) {  // the cells these nodes belong to
                 for (const int c : i) {
@@ -352,7 +353,7 @@ template std::vector<double> least_node_det<2>(const DyadicGrid<2>&, const Displ
 template std::vector<double> least_node_det<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
 template int repair_folds<2>(const DyadicGrid<2>&, const std::array<double*, 2>&, double);
 template int repair_folds<3>(const DyadicGrid<3>&, const std::array<double*, 3>&, double);
-template int limit_change<2>(const DyadicGrid<2>&, const DisplacementView<2>&, const std::array<double*, 2>&, double);
-template int limit_change<3>(const DyadicGrid<3>&, const DisplacementView<3>&, const std::array<double*, 3>&, double);
+template int limit_change<2>(const DyadicGrid<2>&, const DisplacementView<2>&, const std::array<float*, 2>&, double);
+template int limit_change<3>(const DyadicGrid<3>&, const DisplacementView<3>&, const std::array<float*, 3>&, double);
 
 }  // namespace morphodesic

@@ -33,6 +33,6 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
 /// @return number of cells that were in the way
 template <int Dim>
 int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,
-                 const std::array<double*, Dim>& change, double keep);
+                 const std::array<float*, Dim>& change, double keep);
 
 }  // namespace morphodesic

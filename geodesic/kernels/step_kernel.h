@@ -2,22 +2,24 @@
 
 namespace morphodesic::kernels {
 
+/// T is double, or float for the minimiser: twice the lanes, half the memory. Levels 3 and finer; with float 4 and finer.
+
 /// Fields of one time step k on a grid with n = 2^level + 1 nodes per axis, [n^Dim] each, axis 0 fastest.
-template <int Dim>
+template <int Dim, class T>
 struct StepFields {
-    const double* displacement[Dim];  ///< phi_k - id, one array per component
-    const double* u_previous;         ///< u_{k-1}
-    const double* u_next;             ///< u_k
-    const double* mask;               ///< chi in [0,1], or null for chi = 1
+    const T* displacement[Dim];  ///< phi_k - id, one array per component
+    const T* u_previous;         ///< u_{k-1}
+    const T* u_next;             ///< u_k
+    const T* mask;               ///< chi in [0,1], or null for chi = 1
 };
 
 /// Gradients are added to these arrays (same layout); a null pointer means: not wanted.
 /// u_next holds the rows [u_next_first_row, ...) of the last axis only (the kernel scatters into it).
-template <int Dim>
+template <int Dim, class T>
 struct StepGradients {
-    double* displacement[Dim];
-    double* u_previous;
-    double* u_next;
+    T* displacement[Dim];
+    T* u_previous;
+    T* u_next;
     int u_next_first_row;
 };
 
@@ -47,9 +49,9 @@ struct StepSums {
 /// [row_begin, row_end), and their gradients in phi_k, u_{k-1} and u_k. Gauss quadrature, 2 points per axis;
 /// u_k o phi_k is evaluated exactly at the quadrature points. SIMD over the cells along axis 0; the sums have a fixed
 /// order, so the bits depend on the instruction set only. Where min_det <= 0 energies and gradients are meaningless.
-template <int Dim>
-StepSums step_energy_rows(int row_begin, int row_end, const StepFields<Dim>& fields, const StepWeights& weights,
-                          const StepGradients<Dim>& gradients);
+template <int Dim, class T>
+StepSums step_energy_rows(int row_begin, int row_end, const StepFields<Dim, T>& fields, const StepWeights& weights,
+                          const StepGradients<Dim, T>& gradients);
 
 /// The instruction set the kernels run on, e.g. "AVX3" or "AVX2".
 const char* instruction_set();

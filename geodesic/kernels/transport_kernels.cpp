@@ -40,8 +40,7 @@ HWY_INLINE void corner_shares(D d, const TransportMaps<Dim>& maps, std::size_t i
 /// Runs body(tag of float, i) over the range, full vectors first, then single entries.
 template <class Body>
 HWY_INLINE void for_range(std::size_t count, const Body& body) {
-    const hn::CappedTag<double, 8> wide;
-    const hn::Rebind<float, decltype(wide)> d;
+    const hn::CappedTag<float, most_lanes> d;
     const hn::CappedTag<float, 1> d1;
     const std::size_t lanes = hn::Lanes(d);
     std::size_t i = 0;
@@ -50,8 +49,8 @@ HWY_INLINE void for_range(std::size_t count, const Body& body) {
 }
 
 template <int Dim>
-HWY_INLINE void Push(std::size_t count, const TransportMaps<Dim>& maps, const double* const (&displacement)[Dim],
-                     const double* level_set, float* buffer) {
+HWY_INLINE void Push(std::size_t count, const TransportMaps<Dim>& maps, const float* const (&displacement)[Dim],
+                     const float* level_set, float* buffer) {
     constexpr int corners = 1 << Dim;
     const Part p;
     hn::Vec<Part> sum[corners][parts];
@@ -71,10 +70,9 @@ HWY_INLINE void Push(std::size_t count, const TransportMaps<Dim>& maps, const do
     };
     for_range(count, [&](auto d, std::size_t i) HWY_ATTR {
         using D = decltype(d);
-        const hn::Rebind<double, D> wide;
         const std::size_t lanes = hn::Lanes(d);
         hn::Vec<D> value[transport_width], from[Dim];
-        for (int r = 0; r < Dim; ++r) from[r] = hn::DemoteTo(d, hn::LoadU(wide, displacement[r] + i));
+        for (int r = 0; r < Dim; ++r) from[r] = hn::LoadU(d, displacement[r] + i);
         for (int c = 0; c < Dim; ++c) {
             value[c] = hn::Mul(hn::LoadU(d, maps.a[c] + i), from[0]);
             for (int r = 1; r < Dim; ++r) {
@@ -83,7 +81,7 @@ HWY_INLINE void Push(std::size_t count, const TransportMaps<Dim>& maps, const do
         }
         for (std::size_t f = Dim; f < transport_width; ++f) value[f] = hn::Zero(d);
         if (level_set) {
-            const auto u = hn::DemoteTo(d, hn::LoadU(wide, level_set + i));
+            const auto u = hn::LoadU(d, level_set + i);
             for (int c = 0; c < Dim; ++c) {
                 value[Dim + c] = hn::Neg(hn::Mul(hn::LoadU(d, maps.q[c] + i), u));
             }
@@ -114,7 +112,7 @@ HWY_INLINE void Push(std::size_t count, const TransportMaps<Dim>& maps, const do
 
 template <int Dim>
 HWY_INLINE void Pull(std::size_t count, const TransportMaps<Dim>& maps, const float* buffer,
-                     double* const (&displacement)[Dim], double* level_set) {
+                     float* const (&displacement)[Dim], float* level_set) {
     constexpr int corners = 1 << Dim;
     const Part p;
     hn::Vec<Part> at[corners][parts];
@@ -127,8 +125,6 @@ HWY_INLINE void Pull(std::size_t count, const TransportMaps<Dim>& maps, const fl
     };
     if (count) fetch();
     for_range(count, [&](auto d, std::size_t i) HWY_ATTR {
-        using D = decltype(d);
-        const hn::Rebind<double, D> wide;
         const std::size_t lanes = hn::Lanes(d);
         HWY_ALIGN float shares[most_lanes * corners], fields[most_lanes][transport_width];
         HWY_ALIGN float rows[transport_width][most_lanes];
@@ -155,34 +151,34 @@ HWY_INLINE void Pull(std::size_t count, const TransportMaps<Dim>& maps, const fl
             for (int c = 1; c < Dim; ++c) {
                 sum = hn::MulAdd(hn::LoadU(d, maps.a[r * Dim + c] + i), hn::Load(d, rows[c]), sum);
             }
-            double* out = displacement[r] + i;
-            hn::StoreU(hn::Add(hn::LoadU(wide, out), hn::PromoteTo(wide, sum)), wide, out);
+            float* out = displacement[r] + i;
+            hn::StoreU(hn::Add(hn::LoadU(d, out), sum), d, out);
         }
         if (level_set) {
             auto change = hn::Mul(hn::LoadU(d, maps.d + i), hn::Load(d, rows[2 * Dim]));
             for (int c = 0; c < Dim; ++c) {
                 change = hn::NegMulAdd(hn::LoadU(d, maps.q[c] + i), hn::Load(d, rows[Dim + c]), change);
             }
-            double* out = level_set + i;
-            hn::StoreU(hn::Add(hn::LoadU(wide, out), hn::PromoteTo(wide, change)), wide, out);
+            float* out = level_set + i;
+            hn::StoreU(hn::Add(hn::LoadU(d, out), change), d, out);
         }
     });
 }
 
-void Push2(std::size_t n, const TransportMaps<2>& maps, const double* const (&displacement)[2], const double* level_set,
+void Push2(std::size_t n, const TransportMaps<2>& maps, const float* const (&displacement)[2], const float* level_set,
            float* buffer) {
     Push<2>(n, maps, displacement, level_set, buffer);
 }
-void Push3(std::size_t n, const TransportMaps<3>& maps, const double* const (&displacement)[3], const double* level_set,
+void Push3(std::size_t n, const TransportMaps<3>& maps, const float* const (&displacement)[3], const float* level_set,
            float* buffer) {
     Push<3>(n, maps, displacement, level_set, buffer);
 }
-void Pull2(std::size_t n, const TransportMaps<2>& maps, const float* buffer, double* const (&displacement)[2],
-           double* level_set) {
+void Pull2(std::size_t n, const TransportMaps<2>& maps, const float* buffer, float* const (&displacement)[2],
+           float* level_set) {
     Pull<2>(n, maps, buffer, displacement, level_set);
 }
-void Pull3(std::size_t n, const TransportMaps<3>& maps, const float* buffer, double* const (&displacement)[3],
-           double* level_set) {
+void Pull3(std::size_t n, const TransportMaps<3>& maps, const float* buffer, float* const (&displacement)[3],
+           float* level_set) {
     Pull<3>(n, maps, buffer, displacement, level_set);
 }
 
@@ -198,23 +194,23 @@ HWY_EXPORT(Pull2);
 HWY_EXPORT(Pull3);
 
 template <>
-void push<2>(std::size_t n, const TransportMaps<2>& maps, const double* const (&displacement)[2],
-             const double* level_set, float* buffer) {
+void push<2>(std::size_t n, const TransportMaps<2>& maps, const float* const (&displacement)[2],
+             const float* level_set, float* buffer) {
     HWY_DYNAMIC_DISPATCH(Push2)(n, maps, displacement, level_set, buffer);
 }
 template <>
-void push<3>(std::size_t n, const TransportMaps<3>& maps, const double* const (&displacement)[3],
-             const double* level_set, float* buffer) {
+void push<3>(std::size_t n, const TransportMaps<3>& maps, const float* const (&displacement)[3],
+             const float* level_set, float* buffer) {
     HWY_DYNAMIC_DISPATCH(Push3)(n, maps, displacement, level_set, buffer);
 }
 template <>
-void pull<2>(std::size_t n, const TransportMaps<2>& maps, const float* buffer, double* const (&displacement)[2],
-             double* level_set) {
+void pull<2>(std::size_t n, const TransportMaps<2>& maps, const float* buffer, float* const (&displacement)[2],
+             float* level_set) {
     HWY_DYNAMIC_DISPATCH(Pull2)(n, maps, buffer, displacement, level_set);
 }
 template <>
-void pull<3>(std::size_t n, const TransportMaps<3>& maps, const float* buffer, double* const (&displacement)[3],
-             double* level_set) {
+void pull<3>(std::size_t n, const TransportMaps<3>& maps, const float* buffer, float* const (&displacement)[3],
+             float* level_set) {
     HWY_DYNAMIC_DISPATCH(Pull3)(n, maps, buffer, displacement, level_set);
 }
 

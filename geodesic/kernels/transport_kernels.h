@@ -23,12 +23,12 @@ struct TransportMaps {
 /// Transposed maps: buffer [coarse nodes][transport_width] += those of the gradient in the displacement and, where
 /// there is one, in the level set.
 template <int Dim>
-void push(std::size_t n, const TransportMaps<Dim>& maps, const double* const (&displacement)[Dim],
-          const double* level_set, float* buffer);
+void push(std::size_t n, const TransportMaps<Dim>& maps, const float* const (&displacement)[Dim],
+          const float* level_set, float* buffer);
 
 /// displacement and level set += the maps of the buffer.
 template <int Dim>
-void pull(std::size_t n, const TransportMaps<Dim>& maps, const float* buffer, double* const (&displacement)[Dim],
-          double* level_set);
+void pull(std::size_t n, const TransportMaps<Dim>& maps, const float* buffer, float* const (&displacement)[Dim],
+          float* level_set);
 
 }  // namespace morphodesic::kernels

@@ -12,7 +12,7 @@ namespace morphodesic::kernels {
 
 namespace {
 
-constexpr std::size_t chunk = 4096;  // of double precision: half of a first-level cache
+constexpr std::size_t chunk = 4096;  // 16 kB: half of a first-level cache
 
 // Compiled for several instruction sets, the best one is taken at run time; products and sums are not fused, so the
 // bits are the same. Sanitizers cannot be loaded before the resolvers of clones run.
@@ -23,40 +23,16 @@ constexpr std::size_t chunk = 4096;  // of double precision: half of a first-lev
 #define MORPHODESIC_CLONES
 #endif
 
-MORPHODESIC_CLONES double dot_chunk(const double* a, const double* b, std::size_t n) {
-    double sums[16] = {};
-    std::size_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        for (std::size_t j = 0; j < 16; ++j) sums[j] += a[i + j] * b[i + j];
-    }
-    double sum = 0.0;
-    for (; i < n; ++i) sum += a[i] * b[i];
-    for (const double s : sums) sum += s;
-    return sum;
+MORPHODESIC_CLONES void add_scaled_chunk(float* y, float factor, const float* x, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) y[i] += factor * x[i];
 }
 
-MORPHODESIC_CLONES double dot_chunk(const double* a, const float* b, std::size_t n) {
-    double sums[16] = {};
-    std::size_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        for (std::size_t j = 0; j < 16; ++j) sums[j] += a[i + j] * static_cast<double>(b[i + j]);
-    }
-    double sum = 0.0;
-    for (; i < n; ++i) sum += a[i] * static_cast<double>(b[i]);
-    for (const double s : sums) sum += s;
-    return sum;
-}
-
-MORPHODESIC_CLONES void add_scaled_chunk(double* y, double factor, const float* x, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) y[i] += factor * static_cast<double>(x[i]);
-}
-
-MORPHODESIC_CLONES void scale_chunk(double* out, const double* x, double factor, std::size_t n) {
+MORPHODESIC_CLONES void scale_chunk(float* out, const float* x, float factor, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) out[i] = factor * x[i];
 }
 
-MORPHODESIC_CLONES void step_chunk(double* out, const double* x, double factor, const double* d, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) out[i] = x[i] + factor * d[i];
+MORPHODESIC_CLONES void step_chunk(double* out, const double* x, double factor, const float* d, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = x[i] + factor * static_cast<double>(d[i]);
 }
 
 MORPHODESIC_CLONES void difference_chunk(float* out, const double* a, const double* b, std::size_t n) {
@@ -75,6 +51,10 @@ MORPHODESIC_CLONES double dot_chunk(const float* a, const float* b, std::size_t 
     return sum;
 }
 
+MORPHODESIC_CLONES void difference_chunk(float* out, const float* a, const float* b, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = a[i] - b[i];
+}
+
 template <class Body>
 void for_chunks(std::size_t size, const Body& body) {
     const std::size_t count = (size + chunk - 1) / chunk;
@@ -89,7 +69,7 @@ void for_chunks(std::size_t size, const Body& body) {
 /// Least det of I + (edge differences) / h at the corners of the cell at node i, of a field given by its components.
 template <int Dim>
 inline __attribute__((always_inline)) double least_corner_det(const double* const (&w)[Dim],
-                                                              const double* const (*d)[Dim],
+                                                              const float* const (*d)[Dim],
                                                               const std::ptrdiff_t* stride, std::ptrdiff_t i,
                                                               double inverse_h) {
     double v[Dim][1 << Dim];
@@ -99,7 +79,7 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
 #pragma GCC unroll 3
         for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
 #pragma GCC unroll 3
-        for (int a = 0; a < Dim; ++a) v[a][c] = w[a][at] + (d ? (*d)[a][at] : 0.0);
+        for (int a = 0; a < Dim; ++a) v[a][c] = w[a][at] + (d ? static_cast<double>((*d)[a][at]) : 0.0);
     }
     double least = 1e300;
 #pragma GCC unroll 8
@@ -126,7 +106,7 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
 
 template <int Dim>
 inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
-                                                         const double* const (&d)[Dim],
+                                                         const float* const (&d)[Dim],
                                                          const std::ptrdiff_t (&stride)[Dim], double inverse_h,
                                                          double keep, unsigned char* __restrict flag) {
     int any = 0;
@@ -144,12 +124,12 @@ inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, c
 }
 
 // Clones cannot be templates.
-MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const double* const (&d)[2],
+MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
                                          const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
                                          unsigned char* flag) {
     flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
 }
-MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const double* const (&d)[3],
+MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
                                          const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
                                          unsigned char* flag) {
     flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
@@ -157,7 +137,7 @@ MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* con
 
 }  // namespace
 
-double dot(std::span<const double> a, std::span<const double> b) {
+double dot(std::span<const float> a, std::span<const float> b) {
     assert(a.size() == b.size());
     std::vector<double> partial((a.size() + chunk - 1) / chunk, 0.0);
     for_chunks(a.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
@@ -168,13 +148,13 @@ double dot(std::span<const double> a, std::span<const double> b) {
     return total;
 }
 
-void step(std::span<double> out, std::span<const double> x, double factor, std::span<const double> d) {
+void step(std::span<double> out, std::span<const double> x, double factor, std::span<const float> d) {
     for_chunks(out.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         step_chunk(out.data() + begin, x.data() + begin, factor, d.data() + begin, end - begin);
     });
 }
 
-void dots(std::span<const double> a, std::span<const std::span<const float>> b, std::span<double> result) {
+void dots(std::span<const float> a, std::span<const std::span<const float>> b, std::span<double> result) {
     assert(b.size() == result.size());
     const std::size_t count = b.size();
     std::vector<double> partial((a.size() + chunk - 1) / chunk * count, 0.0);
@@ -187,19 +167,19 @@ void dots(std::span<const double> a, std::span<const std::span<const float>> b, 
     for (std::size_t i = 0; i < partial.size(); ++i) result[i % count] += partial[i];
 }
 
-void combine(std::span<double> out, double factor, std::span<const double> a, std::span<const double> factors,
+void combine(std::span<float> out, float factor, std::span<const float> a, std::span<const double> factors,
              std::span<const std::span<const float>> b) {
     assert(b.size() == factors.size());
     for_chunks(out.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         scale_chunk(out.data() + begin, a.data() + begin, factor, end - begin);
         for (std::size_t j = 0; j < b.size(); ++j) {
-            add_scaled_chunk(out.data() + begin, factors[j], b[j].data() + begin, end - begin);
+            add_scaled_chunk(out.data() + begin, static_cast<float>(factors[j]), b[j].data() + begin, end - begin);
         }
     });
 }
 
 double differences(std::span<float> s, std::span<const double> x, std::span<const double> x0, std::span<float> y,
-                   std::span<const double> g, std::span<const double> g0) {
+                   std::span<const float> g, std::span<const float> g0) {
     std::vector<double> partial((s.size() + chunk - 1) / chunk, 0.0);
     for_chunks(s.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
         const std::size_t n = end - begin;
@@ -213,12 +193,12 @@ double differences(std::span<float> s, std::span<const double> x, std::span<cons
 }
 
 template <>
-void squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const double* const (&d)[2],
+void squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const float* const (&d)[2],
                        const std::ptrdiff_t (&stride)[2], double inverse_h, double keep, unsigned char* flag) {
     squeezed_cells_2(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
 }
 template <>
-void squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const double* const (&d)[3],
+void squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const float* const (&d)[3],
                        const std::ptrdiff_t (&stride)[3], double inverse_h, double keep, unsigned char* flag) {
     squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
 }

@@ -12,7 +12,7 @@ void LbfgsHistory::clear() {
     added_ = false;
 }
 
-void LbfgsHistory::before(std::span<const double> gradient, std::span<double> remainder) {
+void LbfgsHistory::before(std::span<const float> gradient, std::span<float> remainder) {
     const std::size_t count = pairs_.size();
     std::vector<std::span<const float>> s, y;
     for (const Pair& pair : pairs_) {
@@ -36,7 +36,7 @@ void LbfgsHistory::before(std::span<const double> gradient, std::span<double> re
     kernels::combine(remainder, 1.0, gradient, factor, y);
 }
 
-void LbfgsHistory::after(std::span<double> direction) const {
+void LbfgsHistory::after(std::span<float> direction) const {
     const std::size_t count = pairs_.size();
     std::vector<std::span<const float>> s, y;
     for (const Pair& pair : pairs_) {
@@ -53,8 +53,8 @@ void LbfgsHistory::after(std::span<double> direction) const {
     kernels::combine(direction, -1.0, direction, factor, s);
 }
 
-void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, std::span<const double> g,
-                       std::span<const double> g0, double least) {
+void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
+                       std::span<const float> g0, double least) {
     if (pairs_.size() == capacity_) {
         spare_ = std::move(pairs_.front());
         pairs_.erase(pairs_.begin());

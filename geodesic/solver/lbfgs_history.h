@@ -18,14 +18,14 @@ public:
     void clear();
 
     /// First loop: remainder = g - sum_i alpha_i y_i, which the preconditioner is applied to.
-    void before(std::span<const double> gradient, std::span<double> remainder);
+    void before(std::span<const float> gradient, std::span<float> remainder);
     /// Second loop, in place: direction = -(r + sum_i (alpha_i - beta_i) s_i) from the preconditioned remainder r.
-    void after(std::span<double> direction) const;
+    void after(std::span<float> direction) const;
 
     /// Takes up the step x0 -> x if its curvature s . y is above `least`; the oldest pair goes if there is no room.
     /// The gradient g0 must be that of the last call of before().
-    void add(std::span<const double> x, std::span<const double> x0, std::span<const double> g,
-             std::span<const double> g0, double least);
+    void add(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
+             std::span<const float> g0, double least);
 
 private:
     struct Pair {

@@ -183,15 +183,14 @@ void VCycle<Dim>::cycle(std::size_t depth) {
 }
 
 template <int Dim>
-void VCycle<Dim>::apply(const std::array<const double*, Dim>& right_side, const std::array<double*, Dim>& solution) {
+void VCycle<Dim>::apply(const std::array<float*, Dim>& field) {
     Level& fine = levels_[0];
     const std::size_t nodes = fine.grid.node_count();
-    for (std::size_t a = 0; a < Dim; ++a) {
-        for (std::size_t i = 0; i < nodes; ++i) fine.b[a][fine.padding + i] = static_cast<float>(right_side[a][i]);
-    }
+    for (std::size_t a = 0; a < Dim; ++a) std::copy(field[a], field[a] + nodes, fine.b[a].data() + fine.padding);
     cycle(0);
     for (std::size_t a = 0; a < Dim; ++a) {
-        for (std::size_t i = 0; i < nodes; ++i) solution[a][i] = fine.x[a][fine.padding + i];
+        const float* x = fine.x[a].data() + fine.padding;
+        std::copy(x, x + nodes, field[a]);
     }
 }
 

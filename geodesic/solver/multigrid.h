@@ -25,8 +25,8 @@ public:
     /// @param mass    positive semidefinite at each node
     void set_operator(std::span<const float> weight, const Mass& mass);
 
-    /// solution = V-cycle applied to `right_side`, one array [N] per component; boundary entries of the solution are 0.
-    void apply(const std::array<const double*, Dim>& right_side, const std::array<double*, Dim>& solution);
+    /// Applies the V-cycle to a right side, one array [N] per component, in place; boundary entries become 0.
+    void apply(const std::array<float*, Dim>& field);
 
 private:
     using Vector = std::array<std::vector<float>, Dim>;

@@ -23,16 +23,18 @@ constexpr int max_halvings = 25;
 constexpr int patience = 4;          // shorter steps tried before the history is given up
 constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
+constexpr double rounding = 1e-7;    // of energies in single precision, relative
+constexpr double vanishing = 1e-10;  // energy that rounding leaves between equal shapes
 constexpr int max_renewals = 3;      // of history and preconditioner where steps stall
 constexpr int window = 5;            // iterations over which the decrease is measured
 
 /// Cells of the background that a step would squeeze at once stop it as a whole, or fold; there the step is shortened,
 /// in those cells alone.
 template <int Dim>
-void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x, std::vector<double>& direction) {
+void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x, std::vector<float>& direction) {
     for_indices(1, layout.time_steps + 1, [&](int k) {
         DisplacementView<Dim> w;
-        std::array<double*, Dim> change;
+        std::array<float*, Dim> change;
         for (int a = 0; a < Dim; ++a) {
             w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
             change[static_cast<std::size_t>(a)] = direction.data() + layout.displacement(k, a);
@@ -59,18 +61,18 @@ template <int Dim>
 MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options,
                                const std::function<bool(const PathTerms&)>& proceed) {
     MinimizerSummary summary;
-    std::vector<double> gradient(x.size()), next_gradient(x.size()), next(x.size()), direction(x.size()),
-        work(x.size());
+    std::vector<double> next(x.size());
+    std::vector<float> gradient(x.size()), next_gradient(x.size()), direction(x.size());
     std::optional<VolumeConstraint<Dim>> constraint;
     if (energy.options().preserve_volume && energy.layout().time_steps > 1) constraint.emplace(energy);
-    const auto evaluate = [&](std::vector<double>& at, std::vector<double>& g) {
+    const auto evaluate = [&](std::vector<double>& at, std::vector<float>& g) {
         if (constraint && !constraint->correct(at)) {
             PathTerms vanished;
             vanished.total = std::numeric_limits<double>::infinity();
             vanished.step_min_det.assign(static_cast<std::size_t>(energy.layout().time_steps), 1.0);
             return vanished;
         }
-        auto found = energy.evaluate(at, g);
+        auto found = energy.evaluate_single(at, g);
         if (constraint && std::isfinite(found.total)) constraint->project_gradient(at, g);
         return found;
     };
@@ -81,8 +83,8 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     PathPreconditioner<Dim> preconditioner(energy);
     LbfgsHistory history(x.size(), options.history);
     const auto find_direction = [&] {
-        history.before(gradient, work);
-        preconditioner.apply(work, direction);
+        history.before(gradient, direction);
+        preconditioner.apply(direction);
         history.after(direction);
         if (constraint) constraint->project_direction(x, direction);
         limit_direction(energy.layout(), x, direction);
@@ -103,7 +105,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             slope = find_direction();
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
-        if (-slope <= 1e-12 * terms.total || terms.total < 1e-20) {
+        if (-slope <= rounding * terms.total || terms.total < vanishing) {
             summary.termination = slope <= 0 ? Termination::converged : Termination::no_descent;
             break;
         }
@@ -163,7 +165,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             break;
         }
     }
-    summary.terms = std::move(terms);
+    summary.terms = energy.evaluate(x, {});
     return summary;
 }
 

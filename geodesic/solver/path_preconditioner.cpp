@@ -126,24 +126,23 @@ bool PathPreconditioner<Dim>::drop_transport() {
 }
 
 template <int Dim>
-void PathPreconditioner<Dim>::apply(std::span<const double> gradient, std::span<double> direction) {
+void PathPreconditioner<Dim>::apply(std::span<float> vector) {
     const std::size_t nodes = layout_.nodes();
+    if (transport_) transport_->take(vector);
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(1, layout_.time_steps + 1, [&](int k) {
-            std::array<const double*, Dim> right_side;
-            std::array<double*, Dim> solution;
+            std::array<float*, Dim> field;
             for (int a = 0; a < Dim; ++a) {
-                right_side[static_cast<std::size_t>(a)] = gradient.data() + layout_.displacement(k, a);
-                solution[static_cast<std::size_t>(a)] = direction.data() + layout_.displacement(k, a);
+                field[static_cast<std::size_t>(a)] = vector.data() + layout_.displacement(k, a);
             }
-            cycles_[static_cast<std::size_t>(k - 1)].apply(right_side, solution);
+            cycles_[static_cast<std::size_t>(k - 1)].apply(field);
             if (k == layout_.time_steps) return;
-            const std::size_t at = layout_.level_set(k);
+            float* u = vector.data() + layout_.level_set(k);
             const auto& inverse = inverse_u_[static_cast<std::size_t>(k - 1)];
-            for (std::size_t i = 0; i < nodes; ++i) direction[at + i] = gradient[at + i] * inverse[i];
+            for (std::size_t i = 0; i < nodes; ++i) u[i] *= inverse[i];
         });
     });
-    if (transport_) transport_->add(gradient, direction);
+    if (transport_) transport_->add_to(vector);
 }
 
 template class PathPreconditioner<2>;

@@ -26,8 +26,8 @@ public:
     /// Builds the operators at the path x.
     void update(const PathEnergy<Dim>& energy, std::span<const double> x);
 
-    /// direction = approximate inverse Hessian times gradient; both in PathLayout order.
-    void apply(std::span<const double> gradient, std::span<double> direction);
+    /// Multiplies a vector in PathLayout order by the approximate inverse Hessian, in place.
+    void apply(std::span<float> vector);
 
     /// Goes on without the TransportCorrection, where its directions turn out to be of no use.
     /// @return false if there was none

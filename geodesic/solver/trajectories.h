@@ -69,7 +69,7 @@ public:
         /// Values at the place of P_k(x) of the shape functions of its coarse cell.
         [[nodiscard]] std::array<float, 1 << Dim> shares(std::size_t i) const {
             std::array<float, Dim> at;
-            for (std::size_t a = 0; a < Dim; ++a) at[a] = fraction[a][i];
+            for (std::size_t c = 0; c < Dim; ++c) at[c] = fraction[c][i];
             return corner_shares<Dim>(at);
         }
     };

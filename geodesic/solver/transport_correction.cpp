@@ -31,10 +31,9 @@ TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
     level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
     buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
     modes_.assign(steps - 1, VCycle<Dim>(coarse_));
-    std::array<std::vector<double>, Dim> field;
+    std::array<std::vector<float>, Dim> field;
     for (auto& c : field) c.resize(coarse_.node_count());
-    right_side_.assign(steps - 1, field);
-    solution_.assign(steps - 1, field);
+    modal_.assign(steps - 1, field);
 }
 
 template <int Dim>
@@ -187,12 +186,12 @@ kernels::TransportMaps<Dim> TransportCorrection<Dim>::maps(int k) const {
 
 /// Transposed maps of frame k: its gradients, summed at the coarse nodes.
 template <int Dim>
-void TransportCorrection<Dim>::push(int k, std::span<const double> gradient) {
+void TransportCorrection<Dim>::push(int k, std::span<const float> gradient) {
     auto& buffer = buffers_[static_cast<std::size_t>(k)];
     std::fill(buffer.begin(), buffer.end(), 0.0F);
-    const double* g[Dim];
+    const float* g[Dim];
     for (int a = 0; a < Dim; ++a) g[a] = gradient.data() + layout_.displacement(k + 1, a);
-    const double* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
+    const float* gu = k > 0 ? gradient.data() + layout_.level_set(k) : nullptr;
     kernels::push<Dim>(layout_.nodes(), maps(k), g, gu, buffer.data());
 }
 
@@ -217,14 +216,14 @@ void TransportCorrection<Dim>::solve() {
         // z_k = v_1 + .. + v_k: the gradient in v_j collects those in z_k, k >= j.
         float tail[Dim] = {};
         for (std::size_t c = 0; c < Dim; ++c) {
-            for (std::size_t m = 0; m + 1 < count; ++m) right_side_[m][c][i] = 0.0;
+            for (std::size_t m = 0; m + 1 < count; ++m) modal_[m][c][i] = 0.0F;
         }
         for (std::size_t k = count; k-- > 0 && !boundary;) {  // v_{k+1} is in frame k
             const float* in = buffers_[k].data() + i * width;
             for (std::size_t c = 0; c < Dim; ++c) {
                 const float value = in[c] + tail[c];
                 for (std::size_t m = 0; m + 1 < count; ++m) {
-                    right_side_[m][c][i] += static_cast<double>(basis[m * count + k] * value);
+                    modal_[m][c][i] += basis[m * count + k] * value;
                 }
                 tail[c] += in[Dim + c];
             }
@@ -243,13 +242,9 @@ void TransportCorrection<Dim>::solve() {
         }
     });
     for_indices(0, steps - 1, [&](int m) {
-        std::array<const double*, Dim> in;
-        std::array<double*, Dim> out;
-        for (std::size_t c = 0; c < Dim; ++c) {
-            in[c] = right_side_[static_cast<std::size_t>(m)][c].data();
-            out[c] = solution_[static_cast<std::size_t>(m)][c].data();
-        }
-        modes_[static_cast<std::size_t>(m)].apply(in, out);
+        std::array<float*, Dim> field;
+        for (std::size_t c = 0; c < Dim; ++c) field[c] = modal_[static_cast<std::size_t>(m)][c].data();
+        modes_[static_cast<std::size_t>(m)].apply(field);
     });
     for_nodes(coarse_, [&](std::size_t i) {
         float z[Dim] = {};
@@ -258,7 +253,7 @@ void TransportCorrection<Dim>::solve() {
             for (std::size_t c = 0; c < Dim; ++c) {
                 float v = 0.0F;
                 for (std::size_t m = 0; m + 1 < count; ++m) {
-                    v += basis[m * count + k] * static_cast<float>(solution_[m][c][i]);
+                    v += basis[m * count + k] * modal_[m][c][i];
                 }
                 v *= static_cast<float>(move_share);
                 out[c] = v;
@@ -270,16 +265,20 @@ void TransportCorrection<Dim>::solve() {
 }
 
 template <int Dim>
-void TransportCorrection<Dim>::pull(int k, std::span<double> direction) const {
-    double* to[Dim];
+void TransportCorrection<Dim>::pull(int k, std::span<float> direction) const {
+    float* to[Dim];
     for (int a = 0; a < Dim; ++a) to[a] = direction.data() + layout_.displacement(k + 1, a);
-    double* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
+    float* to_u = k > 0 ? direction.data() + layout_.level_set(k) : nullptr;
     kernels::pull<Dim>(layout_.nodes(), maps(k), buffers_[static_cast<std::size_t>(k)].data(), to, to_u);
 }
 
 template <int Dim>
-void TransportCorrection<Dim>::add(std::span<const double> gradient, std::span<double> direction) {
+void TransportCorrection<Dim>::take(std::span<const float> gradient) {
     for_indices(0, layout_.time_steps, [&](int k) { push(k, gradient); });
+}
+
+template <int Dim>
+void TransportCorrection<Dim>::add_to(std::span<float> direction) {
     solve();
     for_indices(0, layout_.time_steps, [&](int k) { pull(k, direction); });
 }

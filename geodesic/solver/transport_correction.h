@@ -40,17 +40,19 @@ public:
     void build(const PathEnergy<Dim>& energy, std::span<const double> x,
                const std::vector<std::vector<float>>& weights, const std::vector<std::vector<float>>& inverse_u);
 
-    /// direction += correction for the gradient; symmetric and positive semidefinite. Both in PathLayout order.
-    void add(std::span<const double> gradient, std::span<double> direction);
+    /// The correction, symmetric and positive semidefinite, in two calls: takes the gradient,
+    void take(std::span<const float> gradient);
+    /// and adds the correction for it to the direction. Both in PathLayout order; they may be the same memory.
+    void add_to(std::span<float> direction);
 
 private:
     static constexpr std::size_t width = kernels::transport_width;
     static_assert(2 * Dim + 1 <= width);
     void add_rest(int k, int of, std::size_t node, const Point<Dim>& fraction, const double (&e)[Dim]);
     [[nodiscard]] kernels::TransportMaps<Dim> maps(int k) const;
-    void push(int k, std::span<const double> gradient);
+    void push(int k, std::span<const float> gradient);
     void solve();
-    void pull(int k, std::span<double> direction) const;
+    void pull(int k, std::span<float> direction) const;
 
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
@@ -60,7 +62,7 @@ private:
     std::vector<std::vector<float>> level_unit_;                               // d_k, k = 1..K-1
     std::vector<std::vector<float>> buffers_;                                  // per frame, [coarse nodes][width]
     std::vector<VCycle<Dim>> modes_;                                           // m = 1..K-1
-    std::vector<std::array<std::vector<double>, Dim>> right_side_, solution_;  // per mode
+    std::vector<std::array<std::vector<float>, Dim>> modal_;                   // per mode, right side and solution
 };
 
 }  // namespace morphodesic

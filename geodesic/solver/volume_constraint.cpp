@@ -72,20 +72,20 @@ void VolumeConstraint<Dim>::for_each_shape(std::span<const double> x, const Body
 }
 
 template <int Dim>
-void VolumeConstraint<Dim>::project_gradient(std::span<const double> x, std::span<double> gradient) const {
+void VolumeConstraint<Dim>::project_gradient(std::span<const double> x, std::span<float> gradient) const {
     for_each_shape(x, [&](std::size_t at, const std::vector<double>& normal, double sum) {
         double total = 0.0;
-        for (std::size_t i = 0; i < normal.size(); ++i) total += gradient[at + i];
-        for (std::size_t i = 0; i < normal.size(); ++i) gradient[at + i] -= total / sum * normal[i];
+        for (std::size_t i = 0; i < normal.size(); ++i) total += static_cast<double>(gradient[at + i]);
+        for (std::size_t i = 0; i < normal.size(); ++i) gradient[at + i] -= static_cast<float>(total / sum * normal[i]);
     });
 }
 
 template <int Dim>
-void VolumeConstraint<Dim>::project_direction(std::span<const double> x, std::span<double> direction) const {
+void VolumeConstraint<Dim>::project_direction(std::span<const double> x, std::span<float> direction) const {
     for_each_shape(x, [&](std::size_t at, const std::vector<double>& normal, double sum) {
         double across = 0.0;
-        for (std::size_t i = 0; i < normal.size(); ++i) across += normal[i] * direction[at + i];
-        for (std::size_t i = 0; i < normal.size(); ++i) direction[at + i] -= across / sum;
+        for (std::size_t i = 0; i < normal.size(); ++i) across += normal[i] * static_cast<double>(direction[at + i]);
+        for (std::size_t i = 0; i < normal.size(); ++i) direction[at + i] -= static_cast<float>(across / sum);
     });
 }
 

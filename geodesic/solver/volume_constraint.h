@@ -23,9 +23,9 @@ public:
     /// Corrector: u_k += c_k. @return false if a volume cannot be reached (a shape has vanished)
     bool correct(std::span<double> x) const;
     /// Gradient of the energy along the constraint at x: g - (g . 1) / (n . 1) n for each u_k, n the volume's gradient.
-    void project_gradient(std::span<const double> x, std::span<double> gradient) const;
+    void project_gradient(std::span<const double> x, std::span<float> gradient) const;
     /// Predictor: the direction without its part across the constraint: d - (n . d) / (n . 1).
-    void project_direction(std::span<const double> x, std::span<double> direction) const;
+    void project_direction(std::span<const double> x, std::span<float> direction) const;
 
 private:
     template <class Body>

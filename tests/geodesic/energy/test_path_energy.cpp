@@ -92,6 +92,42 @@ TYPED_TEST(PathEnergyIn, MaskedGradientPassesTaylorTest) {
     EXPECT_GT(order<dim>(GeodesicOptions{}, Part::all, mask), 1.8);
 }
 
+TYPED_TEST(PathEnergyIn, SinglePrecisionAgreesWithDouble) {
+    constexpr int dim = TypeParam::value;
+    for (const int level : {3, level_of(dim)}) {  // 3: too few cells for the lanes
+        GeodesicOptions o;
+        o.area_weight = 0.01;
+        ScalarField<dim> mask{DyadicGrid<dim>(level)};
+        for (std::size_t i = 0; i < mask.values.size(); ++i) {
+            mask.values[i] = smooth_heaviside(mask.grid.position(mask.grid.node(i))[0] - 0.45, 0.05);
+        }
+        tests::PathProblem<dim> problem(level, 2, o, mask);
+        // Squeezed somewhere, so that the barrier acts.
+        typename DyadicGrid<dim>::Index middle;
+        middle.fill((1 << level) / 2);
+        problem.x[problem.energy.layout().displacement(1, 0) + problem.energy.layout().grid.index(middle)] +=
+            0.82 / (1 << level);
+        std::vector<double> gradient(problem.x.size());
+        std::vector<float> single(problem.x.size());
+        const auto exact = problem.energy.evaluate(problem.x, gradient);
+        const auto near = problem.energy.evaluate_single(problem.x, single);
+        ASSERT_GT(exact.barrier, 0.0);
+        EXPECT_NEAR(near.total, exact.total, 2e-6 * exact.total);
+        EXPECT_NEAR(near.min_det, exact.min_det, 1e-5);
+        EXPECT_EQ(problem.energy.evaluate_single(problem.x, {}).total, near.total);
+        for (std::size_t k = 0; k < 2; ++k) {
+            EXPECT_NEAR(near.deformation[k], exact.deformation[k], 2e-6 * exact.deformation[k]);
+            EXPECT_NEAR(near.mismatch[k], exact.mismatch[k], 2e-6 * exact.mismatch[k]);
+        }
+        double norm = 0.0, error = 0.0;
+        for (std::size_t i = 0; i < gradient.size(); ++i) {
+            norm += gradient[i] * gradient[i];
+            error += std::pow(gradient[i] - static_cast<double>(single[i]), 2);
+        }
+        EXPECT_LT(std::sqrt(error), 1e-5 * std::sqrt(norm));
+    }
+}
+
 TYPED_TEST(PathEnergyIn, BarrierGradientPassesTaylorTest) {
     // Squeezed to det = 0.15 in the background: the barrier acts, nothing else does.
     constexpr int dim = TypeParam::value;

@@ -205,14 +205,15 @@ using Components = std::array<std::vector<double>, Dim>;
 
 template <int Dim>
 Components<Dim> applied(VCycle<Dim>& cycle, const Components<Dim>& right_side) {
-    Components<Dim> solution = right_side;
-    std::array<const double*, Dim> in;
-    std::array<double*, Dim> out;
+    std::array<std::vector<float>, Dim> field;
+    std::array<float*, Dim> in_place;
     for (std::size_t a = 0; a < Dim; ++a) {
-        in[a] = right_side[a].data();
-        out[a] = solution[a].data();
+        field[a].assign(right_side[a].begin(), right_side[a].end());
+        in_place[a] = field[a].data();
     }
-    cycle.apply(in, out);
+    cycle.apply(in_place);
+    Components<Dim> solution;
+    for (std::size_t a = 0; a < Dim; ++a) solution[a].assign(field[a].begin(), field[a].end());
     return solution;
 }
 

@@ -22,25 +22,25 @@ class PathPreconditionerIn : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(PathPreconditionerIn, Dimensions);
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
+double dot(const std::vector<float>& a, const std::vector<float>& b) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
     return sum;
 }
 
 /// Random vector with zero displacements on the boundary, as gradients have.
 template <int Dim>
-std::vector<double> random_gradient(const PathLayout<Dim>& layout, unsigned seed) {
+std::vector<float> random_gradient(const PathLayout<Dim>& layout, unsigned seed) {
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    std::vector<double> g(layout.size());
-    for (double& v : g) v = uniform(random);
+    std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
+    std::vector<float> g(layout.size());
+    for (float& v : g) v = uniform(random);
     for (std::size_t i = 0; i < layout.nodes(); ++i) {
         bool boundary = false;
         for (const int c : layout.grid.node(i)) boundary = boundary || c == 0 || c == layout.grid.cells_per_axis();
         if (!boundary) continue;
         for (int k = 1; k <= layout.time_steps; ++k) {
-            for (int a = 0; a < Dim; ++a) g[layout.displacement(k, a) + i] = 0.0;
+            for (int a = 0; a < Dim; ++a) g[layout.displacement(k, a) + i] = 0.0F;
         }
     }
     return g;
@@ -53,9 +53,9 @@ TYPED_TEST(PathPreconditionerIn, IsSymmetricAndPositiveAndKeepsTheBoundary) {
     preconditioner.update(problem.energy, problem.x);
     const auto& layout = problem.energy.layout();
     const auto a = random_gradient<Dim>(layout, 1), b = random_gradient<Dim>(layout, 2);
-    std::vector<double> pa(a.size()), pb(b.size());
-    preconditioner.apply(a, pa);
-    preconditioner.apply(b, pb);
+    auto pa = a, pb = b;
+    preconditioner.apply(pa);
+    preconditioner.apply(pb);
     const double scale = std::sqrt(dot(a, pa) * dot(b, pb));
     EXPECT_NEAR(dot(a, pb), dot(b, pa), 1e-4 * scale);
     EXPECT_GT(dot(a, pa), 0.0);
@@ -63,7 +63,7 @@ TYPED_TEST(PathPreconditionerIn, IsSymmetricAndPositiveAndKeepsTheBoundary) {
         bool boundary = false;
         for (const int c : layout.grid.node(i)) boundary = boundary || c == 0 || c == layout.grid.cells_per_axis();
         for (int k = 1; boundary && k <= layout.time_steps; ++k) {
-            for (int c = 0; c < Dim; ++c) ASSERT_EQ(pa[layout.displacement(k, c) + i], 0.0);
+            for (int c = 0; c < Dim; ++c) ASSERT_EQ(pa[layout.displacement(k, c) + i], 0.0F);
         }
     }
 }
@@ -88,9 +88,11 @@ TYPED_TEST(PathPreconditionerIn, TransportCorrectionIsSymmetricAndSemidefinite) 
     correction.build(problem.energy, problem.x, weights, inverse_u);
     for (unsigned seed = 1; seed < 4; ++seed) {
         const auto a = random_gradient<Dim>(layout, seed), b = random_gradient<Dim>(layout, seed + 10);
-        std::vector<double> ta(a.size()), tb(b.size());
-        correction.add(a, ta);
-        correction.add(b, tb);
+        std::vector<float> ta(a.size()), tb(b.size());
+        correction.take(a);
+        correction.add_to(ta);
+        correction.take(b);
+        correction.add_to(tb);
         EXPECT_GT(dot(a, ta), 0.0);
         EXPECT_NEAR(dot(a, tb), dot(b, ta), 1e-4 * std::sqrt(dot(a, ta) * dot(b, tb)));
     }
@@ -131,34 +133,39 @@ TYPED_TEST(PathPreconditionerIn, UnevenMotionIsEvenedOutInFewIterations) {
 TYPED_TEST(PathPreconditionerIn, ChangesAreShortenedOnlyWhereTheySqueezeCells) {
     constexpr int Dim = TypeParam::value;
     const DyadicGrid<Dim> grid(4);
-    VectorField<Dim> w(grid), d(grid);
+    VectorField<Dim> w(grid);
+    std::array<std::vector<float>, Dim> d;
+    for (auto& c : d) c.resize(grid.node_count());
     for (std::size_t i = 0; i < grid.node_count(); ++i) {
         for (int a = 0; a < Dim; ++a) {
-            d.components[static_cast<std::size_t>(a)][i] =
-                0.02 * tests::smooth_wave<Dim>(grid.position(grid.node(i)), a, 1);
+            d[static_cast<std::size_t>(a)][i] =
+                static_cast<float>(0.02 * tests::smooth_wave<Dim>(grid.position(grid.node(i)), a, 1));
         }
     }
     DisplacementView<Dim> view;
-    std::array<double*, Dim> change;
+    std::array<float*, Dim> change;
     for (std::size_t a = 0; a < Dim; ++a) {
         view[a] = w.components[a].data();
-        change[a] = d.components[a].data();
+        change[a] = d[a].data();
     }
     const auto gentle = d;
     EXPECT_EQ(limit_change<Dim>(grid, view, change, 0.3), 0);
-    EXPECT_EQ(d.components, gentle.components);
+    EXPECT_EQ(d, gentle);
 
     typename DyadicGrid<Dim>::Index middle;
     middle.fill(8);
-    d.components[0][grid.index(middle)] += 3.0 * grid.spacing();  // over the next nodes: folds
+    d[0][grid.index(middle)] += static_cast<float>(3.0 * grid.spacing());  // over the next nodes: folds
     const auto wild = d;
     EXPECT_GT(limit_change<Dim>(grid, view, change, 0.3), 0);
     DisplacementView<Dim> shortened;
-    for (std::size_t a = 0; a < Dim; ++a) shortened[a] = d.components[a].data();
+    for (std::size_t a = 0; a < Dim; ++a) {
+        w.components[a].assign(d[a].begin(), d[a].end());
+        shortened[a] = w.components[a].data();
+    }
     const auto det = least_node_det<Dim>(grid, shortened);
-    EXPECT_GE(*std::min_element(det.begin(), det.end()), 0.3 - 1e-12);
+    EXPECT_GE(*std::min_element(det.begin(), det.end()), 0.3 - 1e-6);
     std::size_t changed = 0;
-    for (std::size_t i = 0; i < grid.node_count(); ++i) changed += d.components[0][i] != wild.components[0][i] ? 1 : 0;
+    for (std::size_t i = 0; i < grid.node_count(); ++i) changed += d[0][i] != wild[0][i] ? 1 : 0;
     EXPECT_LT(changed, grid.node_count() / 8);
 }
 
