@@ -28,14 +28,15 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
     const double n = nodes(dimension, level), fields = dimension * time_steps + time_steps - 1;
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
     constexpr double history = 4;
-    const double path = 6 * fields * sizeof(double) + 2 * history * fields * sizeof(float);
-    // Multigrid: weight, diagonal, mass and block inverse (symmetric matrices), edges, three vectors.
+    // The path and the next one; the path, two gradients and the direction in single precision; the history.
+    const double path = fields * (2 * sizeof(double) + (4 + 2 * history) * sizeof(float));
+    // Multigrid: diagonal, mass and block inverse (symmetric matrices), edges, three vectors.
     const double matrix = dimension * (dimension + 1) / 2.0;
-    const double cycles = time_steps * (2 + 2 * matrix + 4 * dimension) * coarser + (time_steps - 1);
+    const double cycles = time_steps * (1 + 2 * matrix + 4 * dimension) * coarser + (time_steps - 1);
     // Trajectories: derivative of the map, place in the coarse grid, gradient of the level sets, their unit.
     const double trajectories = time_steps * (dimension * dimension + 2 * dimension + 1) + (time_steps - 1);
-    // While either is assembled: masses, or origins and gradients, beside the weights.
-    const double assembly = time_steps * (std::max(matrix + 2, 2.0 * dimension) + 1);
+    // While they are assembled: origins, gradients, weights and masses of the shapes; those of deformations one by one.
+    const double assembly = time_steps * (2.0 * dimension + 3) + matrix;
     const double preconditioner = sizeof(float) * (cycles + trajectories + assembly);
     const double ends = 4 * sizeof(double);
     return static_cast<std::size_t>(1.1 * n * (path + preconditioner + ends));

@@ -205,7 +205,8 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
         for (int k = 1; k <= steps; ++k) {
             const bool wanted = !gradient.empty() && k < steps;
             std::fill(part.begin(), part.end(), 0.0);
-            terms.area += area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, wanted ? part.data() : nullptr);
+            terms.area +=
+                area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, wanted ? part.data() : nullptr);
             for (std::size_t i = 0; wanted && i < nodes; ++i) {
                 gradient[layout_.level_set(k) + i] += static_cast<T>(part[i]);
             }

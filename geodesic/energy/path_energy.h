@@ -79,8 +79,8 @@ public:
 
 private:
     struct Slab {
-        int begin, end;              // cells on the last axis
-        int first_row = 0, rows = 0; // of the gradient in u_k it reaches
+        int begin, end;               // cells on the last axis
+        int first_row = 0, rows = 0;  // of the gradient in u_k it reaches
         kernels::StepSums sums;
     };
     /// What evaluation in one precision needs, [K][slabs]: gradients in u_k, rows [first_row, first_row + rows).

@@ -154,7 +154,8 @@ HWY_INLINE void first_piola(D d, const V<D> (&b)[Dim][Dim], V<D> mu, V<D> c, V<D
                 const V<D> cofactor = hn::MulSub(a[i1][j1], a[i2][j2], hn::Mul(a[i1][j2], a[i2][j1]));
                 const V<D> minor = hn::MulSub(b[i1][j1], b[i2][j2], hn::Mul(b[i1][j2], b[i2][j1]));
                 // A - cof A = B + B^T - tr B I - cof B, without cancellation at the identity.
-                const V<D> linear = i == j ? hn::Sub(b[i][i], hn::Add(b[i1][i1], b[i2][i2])) : hn::Add(b[i][j], b[j][i]);
+                const V<D> linear =
+                    i == j ? hn::Sub(b[i][i], hn::Add(b[i1][i1], b[i2][i2])) : hn::Add(b[i][j], b[j][i]);
                 p[i][j] = hn::MulAdd(mu, hn::Sub(linear, minor), hn::Mul(c, cofactor));
             }
         }
@@ -186,7 +187,8 @@ HWY_INLINE V<D> least_corner_determinant(D d, const V<D> (&w)[Dim][1 << Dim], V<
 
 /// Barrier of the corners of a cell, summed; its gradient times `factor` is added to grad_w.
 template <int Dim, class D>
-HWY_NOINLINE V<D> barrier(D d, const V<D> (&w)[Dim][1 << Dim], V<D> inverse_h, V<D> factor, V<D> (&grad_w)[Dim][1 << Dim]) {
+HWY_NOINLINE V<D> barrier(D d, const V<D> (&w)[Dim][1 << Dim], V<D> inverse_h, V<D> factor,
+                          V<D> (&grad_w)[Dim][1 << Dim]) {
     const V<D> one = all(d, 1.0), zero = hn::Zero(d);
     V<D> sum = zero;
     for (int c = 0; c < (1 << Dim); ++c) {
@@ -358,12 +360,11 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         } else {
                             own = all(d, a == Dim - 1 ? row : middle);
                         }
-                        const V<D> position =
-                            hn::MulAdd(displacement[a], inverse_h, all(d, gauss_coordinate(q, a)));
+                        const V<D> position = hn::MulAdd(displacement[a], inverse_h, all(d, gauss_coordinate(q, a)));
                         const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(position), own), zero), last_cell);
                         fraction[a] = hn::Min(hn::Max(hn::Sub(position, hn::Sub(cell, own)), zero), one);
-                        gather_index = hn::Add(gather_index, hn::Mul(hn::ConvertTo(di, cell),
-                                                                     hn::Set(di, static_cast<Index>(stride[a]))));
+                        gather_index = hn::Add(
+                            gather_index, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(stride[a]))));
                     }
                     V<D> v[corners], gradient[Dim];
                     for (int c = 0; c < corners; ++c)
@@ -385,7 +386,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                     const V<D> match = hn::Mul(all(d, 2.0 * quadrature_weight * s.mismatch), masked_residual);
                     // c = lambda/2 det - (mu + lambda/2) / det + mu.
                     const V<D> c = hn::MulAdd(half_lambda, det_minus_one,
-                                           hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
+                                              hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
                     V<D> p[Dim][Dim];
                     first_piola<Dim>(d, b, mu, c, p);
                     const V<D> stress_factor = hn::Mul(hn::Mul(deformation_factor, weight), inverse_h);
@@ -498,13 +499,13 @@ HWY_EXPORT(StepEnergyRows3Single);
 HWY_EXPORT(InstructionSet);
 
 template <>
-StepSums step_energy_rows<2, double>(int begin, int end, const StepFields<2, double>& fields, const StepWeights& weights,
-                                     const StepGradients<2, double>& gradients) {
+StepSums step_energy_rows<2, double>(int begin, int end, const StepFields<2, double>& fields,
+                                     const StepWeights& weights, const StepGradients<2, double>& gradients) {
     return HWY_DYNAMIC_DISPATCH(StepEnergyRows2)(begin, end, fields, weights, gradients);
 }
 template <>
-StepSums step_energy_rows<3, double>(int begin, int end, const StepFields<3, double>& fields, const StepWeights& weights,
-                                     const StepGradients<3, double>& gradients) {
+StepSums step_energy_rows<3, double>(int begin, int end, const StepFields<3, double>& fields,
+                                     const StepWeights& weights, const StepGradients<3, double>& gradients) {
     return HWY_DYNAMIC_DISPATCH(StepEnergyRows3)(begin, end, fields, weights, gradients);
 }
 template <>

@@ -2,7 +2,8 @@
 
 namespace morphodesic::kernels {
 
-/// T is double, or float for the minimiser: twice the lanes, half the memory. Levels 3 and finer; with float 4 and finer.
+/// T is double, or float for the minimiser: twice the lanes, half the memory. Levels 3 and finer; with float 4 and
+/// finer.
 
 /// Fields of one time step k on a grid with n = 2^level + 1 nodes per axis, [n^Dim] each, axis 0 fastest.
 template <int Dim, class T>

@@ -194,13 +194,13 @@ HWY_EXPORT(Pull2);
 HWY_EXPORT(Pull3);
 
 template <>
-void push<2>(std::size_t n, const TransportMaps<2>& maps, const float* const (&displacement)[2],
-             const float* level_set, float* buffer) {
+void push<2>(std::size_t n, const TransportMaps<2>& maps, const float* const (&displacement)[2], const float* level_set,
+             float* buffer) {
     HWY_DYNAMIC_DISPATCH(Push2)(n, maps, displacement, level_set, buffer);
 }
 template <>
-void push<3>(std::size_t n, const TransportMaps<3>& maps, const float* const (&displacement)[3],
-             const float* level_set, float* buffer) {
+void push<3>(std::size_t n, const TransportMaps<3>& maps, const float* const (&displacement)[3], const float* level_set,
+             float* buffer) {
     HWY_DYNAMIC_DISPATCH(Push3)(n, maps, displacement, level_set, buffer);
 }
 template <>

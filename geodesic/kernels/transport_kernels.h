@@ -12,12 +12,12 @@ inline constexpr std::size_t transport_width = 8;
 ///   displacement += a v(p),   level set += d y(p) - q . z(p),   p the place of the node in the coarse grid.
 template <int Dim>
 struct TransportMaps {
-    const std::uint32_t* cell;    ///< first node of the coarse cell of p [n]
-    const float* fraction[Dim];   ///< place in it, in [0,1] [n]
-    const float* a[Dim * Dim];    ///< row by row [n]
-    const float* q[Dim];          ///< [n]
-    const float* d;               ///< [n]; null: the frame has no level set of its own
-    std::size_t corner[1 << Dim]; ///< offsets of the corners of a coarse cell
+    const std::uint32_t* cell;     ///< first node of the coarse cell of p [n]
+    const float* fraction[Dim];    ///< place in it, in [0,1] [n]
+    const float* a[Dim * Dim];     ///< row by row [n]
+    const float* q[Dim];           ///< [n]
+    const float* d;                ///< [n]; null: the frame has no level set of its own
+    std::size_t corner[1 << Dim];  ///< offsets of the corners of a coarse cell
 };
 
 /// Transposed maps: buffer [coarse nodes][transport_width] += those of the gradient in the displacement and, where

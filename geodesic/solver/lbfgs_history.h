@@ -24,15 +24,15 @@ public:
 
     /// Takes up the step x0 -> x if its curvature s . y is above `least`; the oldest pair goes if there is no room.
     /// The gradient g0 must be that of the last call of before().
-    void add(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
-             std::span<const float> g0, double least);
+    void add(std::span<const double> x, std::span<const double> x0, std::span<const float> g, std::span<const float> g0,
+             double least);
 
 private:
     struct Pair {
         std::vector<float> s, y;
-        double curvature = 0.0;         // s . y
-        std::vector<double> later;      // s . y_j of the pairs after this one
-        double slope = 0.0;             // s . g at the last gradient seen
+        double curvature = 0.0;     // s . y
+        std::vector<double> later;  // s . y_j of the pairs after this one
+        double slope = 0.0;         // s . g at the last gradient seen
         double alpha = 0.0;
     };
 

@@ -66,7 +66,6 @@ VCycle<Dim>::VCycle(DyadicGrid<Dim> grid) {
         level.grid = DyadicGrid<Dim>(l);
         const std::size_t nodes = level.grid.node_count();
         level.padding = nodes / static_cast<std::size_t>(level.grid.nodes_per_axis());
-        level.weight.resize(nodes);
         level.diagonal.resize(nodes);
         for (auto& m : level.mass) m.resize(nodes);
         for (auto& m : level.block_inverse) m.resize(nodes);
@@ -135,14 +134,16 @@ void VCycle<Dim>::build(Level& level) {
 template <int Dim>
 void VCycle<Dim>::set_operator(std::span<const float> weight, const Mass& mass) {
     assert(weight.size() == levels_[0].grid.node_count());
-    std::copy(weight.begin(), weight.end(), levels_[0].weight.begin());
+    levels_[0].weight.assign(weight.begin(), weight.end());
     for (std::size_t e = 0; e < mass.size(); ++e) {
         assert(mass[e].size() == weight.size());
         std::copy(mass[e].begin(), mass[e].end(), levels_[0].mass[e].begin());
     }
     build(levels_[0]);
     for (std::size_t l = 1; l < levels_.size(); ++l) {
+        levels_[l].weight.resize(levels_[l].grid.node_count());
         average_to(levels_[l].grid, levels_[l - 1].weight.data(), levels_[l].weight.data());
+        levels_[l - 1].weight = {};
         for (std::size_t e = 0; e < mass.size(); ++e) {
             restrict_residual<Dim, float>(levels_[l].grid, levels_[l - 1].mass[e].data(), levels_[l].mass[e].data());
         }

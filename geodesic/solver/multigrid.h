@@ -33,7 +33,7 @@ private:
     struct Level {
         DyadicGrid<Dim> grid;
         std::size_t padding;  // entries before and after each padded field
-        std::vector<float> weight;
+        std::vector<float> weight;  // while the operator is built
         Mass mass, block_inverse;
         std::array<std::vector<float>, Dim> edge;  // padded
         std::vector<float> diagonal;

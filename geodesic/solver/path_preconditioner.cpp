@@ -26,13 +26,15 @@ struct MismatchMass {
     typename VCycle<Dim>::Mass deformation;    // in phi_k
     std::vector<float> previous_shape, shape;  // in u_{k-1} and u_k
 
-    explicit MismatchMass(std::size_t nodes) : previous_shape(nodes, 0.0F), shape(nodes, 0.0F) {
+    void clear(std::size_t nodes) {
+        previous_shape.assign(nodes, 0.0F);
+        shape.assign(nodes, 0.0F);
         for (auto& m : deformation) m.assign(nodes, 0.0F);
     }
 };
 
-/// Adds a quadrature point: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed point; in
-/// the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
+/// Adds a quadrature point: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed point;
+/// in the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
 template <int Dim>
 void add_to(MismatchMass<Dim>& mass, const MismatchPoint<Dim>& p, const std::array<std::size_t, 1 << Dim>& offsets,
             double weight) {
@@ -42,8 +44,7 @@ void add_to(MismatchMass<Dim>& mass, const MismatchPoint<Dim>& p, const std::arr
         const std::size_t corner = offsets[static_cast<std::size_t>(c)];
         const double share = q1::shape<Dim>(c, p.fraction);
         mass.previous_shape[p.node + corner] += static_cast<float>(weight * share * here);
-        mass.shape[p.target.node + corner] +=
-            static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
+        mass.shape[p.target.node + corner] += static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
         for (int r = 0; r < Dim; ++r) {
             for (int s = r; s < Dim; ++s) {
                 mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
@@ -69,8 +70,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     const double stiffness = 2.0 * layout_.time_steps * (options.mu + 0.25 * options.lambda);
     const double max_delta = std::numbers::inv_pi / eps;
     std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
-    std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps),
-                                          MismatchMass<Dim>(layout_.nodes()));
+    std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps));
     const auto offsets = q1::corner_offsets(layout_.grid);
     const double mass_unit = coupling * 2.0 * energy.eta() * node_volume / (1 << Dim);
     if (transport_) transport_->follow(energy, x);
@@ -96,6 +96,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
                 }
                 weight[i] = static_cast<float>(stiffness * local);
             }
+            masses[k].clear(layout_.nodes());
             for_each_mismatch_point<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
                                          [&](const MismatchPoint<Dim>& p) {
                                              add_to<Dim>(masses[k], p, offsets, mass_unit);

@@ -76,7 +76,7 @@ void TransportCorrection<Dim>::add_point(int k, const MismatchPoint<Dim>& p) {
     const auto& grid = layout_.grid;
     const auto corners = q1::corner_offsets(grid);
     const auto at = [&](const typename Trajectories<Dim>::Vector& field, std::size_t node, const Point<Dim>& fraction,
-                        double (&value)[Dim]) {
+                        double(&value)[Dim]) {
         for (std::size_t a = 0; a < Dim; ++a) {
             value[a] = 0.0;
             for (int c = 0; c < (1 << Dim); ++c) {

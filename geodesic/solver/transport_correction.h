@@ -37,8 +37,8 @@ public:
     /// and then the operators are built.
     /// @param weights    stiffness of the steps k = 1..K at the nodes of frame k - 1
     /// @param inverse_u  1 / curvature of the mismatch in u_k with the factor PathPreconditioner uses, k = 1..K-1
-    void build(const PathEnergy<Dim>& energy, std::span<const double> x,
-               const std::vector<std::vector<float>>& weights, const std::vector<std::vector<float>>& inverse_u);
+    void build(const PathEnergy<Dim>& energy, std::span<const double> x, const std::vector<std::vector<float>>& weights,
+               const std::vector<std::vector<float>>& inverse_u);
 
     /// The correction, symmetric and positive semidefinite, in two calls: takes the gradient,
     void take(std::span<const float> gradient);
@@ -57,12 +57,12 @@ private:
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
     Trajectories<Dim> trajectories_;
-    double unit_ = 0.0;                                                        // of the mismatch at a point
-    std::vector<typename VCycle<Dim>::Mass> rest_;                             // per step, [coarse nodes]
-    std::vector<std::vector<float>> level_unit_;                               // d_k, k = 1..K-1
-    std::vector<std::vector<float>> buffers_;                                  // per frame, [coarse nodes][width]
-    std::vector<VCycle<Dim>> modes_;                                           // m = 1..K-1
-    std::vector<std::array<std::vector<float>, Dim>> modal_;                   // per mode, right side and solution
+    double unit_ = 0.0;                                       // of the mismatch at a point
+    std::vector<typename VCycle<Dim>::Mass> rest_;            // per step, [coarse nodes]
+    std::vector<std::vector<float>> level_unit_;              // d_k, k = 1..K-1
+    std::vector<std::vector<float>> buffers_;                 // per frame, [coarse nodes][width]
+    std::vector<VCycle<Dim>> modes_;                          // m = 1..K-1
+    std::vector<std::array<std::vector<float>, Dim>> modal_;  // per mode, right side and solution
 };
 
 }  // namespace morphodesic

@@ -1,10 +1,10 @@
-#include "geodesic/solver/lbfgs_history.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <random>
 #include <vector>
+
+#include "geodesic/solver/lbfgs_history.h"
 
 namespace morphodesic {
 namespace {
@@ -46,7 +46,8 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
             q += (alpha[i] - beta) * pairs[i].first;
         }
         double error = 0.0;
-        for (int i = 0; i < n; ++i) error += std::pow(static_cast<double>(direction[static_cast<std::size_t>(i)]) + q(i), 2);
+        for (int i = 0; i < n; ++i)
+            error += std::pow(static_cast<double>(direction[static_cast<std::size_t>(i)]) + q(i), 2);
         EXPECT_LT(std::sqrt(error), 1e-4 * q.norm()) << "iteration " << iteration;
 
         const Eigen::VectorXd next = x + draw(), next_g = curvature.cwiseProduct(next);
