@@ -23,6 +23,8 @@ using Clock = std::chrono::steady_clock;
 // at most so many until one level is left.
 constexpr int start_level = 4;
 constexpr int search_steps = 2, settled_steps = 4;
+// From so many time steps on, what one iteration gains shrinks with their number, and so must the tolerance.
+constexpr int many_steps = 8;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -121,7 +123,7 @@ private:
                                mask_on(start.motion, level));
         adopt_transported_shapes(start.path, energy);
         MinimizerOptions minimizer;
-        minimizer.tolerance = tolerance;
+        minimizer.tolerance = tolerance * std::min(1.0, static_cast<double>(many_steps) / steps);
         minimizer.max_iterations = options_.max_iterations;
         const auto summary = minimize_path<Dim>(energy, start.path.x, minimizer);
         start.terms = summary.terms;

@@ -354,6 +354,9 @@ void CommandLine::add_figures() {
     sub->add_option("--out", figures.out, "folder for pictures, tables and gallery.html")
         ->option_text("FOLDER")
         ->capture_default_str();
+    sub->add_option("--markdown", figures.markdown,
+                    "file for captions, checks and tables as Markdown, pictures beside it")
+        ->option_text("FILE");
     sub->add_flag("--quick", figures.quick, "coarse grids and few steps: a minute instead of a quarter of an hour");
     add_common(sub, figures.common, true);
     sub->callback([this] { action = [this] { return pipeline::figures(figures); }; });

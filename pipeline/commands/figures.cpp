@@ -62,6 +62,8 @@ int figures(const FiguresOptions& options) {
     std::error_code error;
     fs::create_directories(options.out, error);
     if (error) throw StoreError(options.out, "cannot be created: " + error.message());
+    if (const auto parent = options.markdown.parent_path(); !parent.empty()) fs::create_directories(parent, error);
+    if (error) throw StoreError(options.markdown, "cannot be created: " + error.message());
 
     Summary summary;
     summary.data["figures"] = nlohmann::ordered_json::array();
@@ -107,6 +109,16 @@ int figures(const FiguresOptions& options) {
     }
     if (done.empty()) return bad_usage;
     write(options.out / "gallery.html", gallery_page(done, options.quick));
+    if (!options.markdown.empty()) {
+        std::string command = "morphodesic figures";
+        for (const std::string& key : options.keys) command += " " + key;
+        command += (options.quick ? " --quick" : "") + std::string(" --markdown ") + options.markdown.string();
+        write(options.markdown, gallery_markdown(done, command));
+        for (const Figure& figure : done) {
+            write(fs::absolute(options.markdown).parent_path() / (figure.name + ".svg"), figure.svg);
+        }
+        summary.lines.push_back("Markdown  " + options.markdown.string());
+    }
     summary.data["gallery"] = (options.out / "gallery.html").string();
     summary.lines.push_back("gallery  " + (options.out / "gallery.html").string());
     const int code = summary.print(options.common);

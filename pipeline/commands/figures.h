@@ -13,6 +13,7 @@ struct FiguresOptions {
     CommonOptions common;
     std::vector<std::string> keys;          ///< which ones; empty: all
     std::filesystem::path out = "figures";  ///< folder, created if need be
+    std::filesystem::path markdown;         ///< file for the same as Markdown, SVG pictures beside it; empty: none
     bool quick = false;
 };
 

@@ -76,6 +76,7 @@ Figure figure_cracks(const FigureOptions& options);              // 7
 Figure figure_occlusion(const FigureOptions& options);           // 8
 Figure figure_matrices(const FigureOptions& options);            // 9
 Figure figure_convergence(const FigureOptions& options);
+Figure figure_accuracy(const FigureOptions& options);
 Figure figure_two_geodesics(const FigureOptions& options);
 Figure figure_disk(const FigureOptions& options);
 Figure figure_animation(const FigureOptions& options);

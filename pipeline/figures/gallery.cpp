@@ -1,5 +1,7 @@
 #include "pipeline/figures/gallery.h"
 
+#include <charconv>
+
 #include "pipeline/figures/canvas.h"
 #include "pipeline/progress.h"
 #include "reports/text.h"
@@ -18,6 +20,8 @@ const std::vector<FigureKind>& figure_kinds() {
         {"8", "a matchstick man with an arm and a leg partly hidden", figure_occlusion},
         {"9", "distance matrices of letters and of feet", figure_matrices},
         {"convergence", "path length against time steps and grid size", figure_convergence},
+        {"accuracy", "convergence report: closed forms in 2D and 3D, time steps, reversed and moved pairs",
+         figure_accuracy},
         {"two-geodesics", "a lower and a higher geodesic from A to B", figure_two_geodesics},
         {"disk", "concentric disks and their closed form", figure_disk},
         {"animation", "the path from A to B between its time steps", figure_animation},
@@ -74,6 +78,46 @@ std::string gallery_page(const std::vector<Figure>& figures, bool quick) {
         page += "</p>\n</section>\n";
     }
     return page + "</body></html>\n";
+}
+
+namespace {
+
+std::string markdown_row(const std::vector<std::string>& cells) {
+    std::string text = "|";
+    for (const std::string& cell : cells) text += " " + cell + " |";
+    return text + "\n";
+}
+
+/// Numbers with a point lose the digits nobody reads.
+std::string short_number(const std::string& cell) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    const bool whole = error == std::errc() && end == cell.data() + cell.size();
+    return whole && cell.find_first_of(".e") != std::string::npos ? rounded(value, 4) : cell;
+}
+
+}  // namespace
+
+std::string gallery_markdown(const std::vector<Figure>& figures, const std::string& command) {
+    std::string page = "Made by `" + command + "`.\n";
+    for (const Figure& figure : figures) {
+        page += "\n# " + figure.title + "\n\n![" + figure.title + "](" + figure.name + ".svg)\n\n" + figure.caption +
+                "\n\n";
+        page += markdown_row({"quantity", "value", "wanted", "", "why"}) +
+                markdown_row({"---", "---", "---", "---", "---"});
+        for (const FigureCheck& check : figure.checks) {
+            page +=
+                markdown_row({check.what, check.value, check.wanted, check.met ? "met" : "**not met**", check.reason});
+        }
+        page += "\n" + markdown_row(figure.numbers.columns) +
+                markdown_row(std::vector<std::string>(figure.numbers.columns.size(), "---"));
+        for (const auto& row : figure.numbers.rows) {
+            std::vector<std::string> cells;
+            for (const std::string& cell : row) cells.push_back(short_number(cell));
+            page += markdown_row(cells);
+        }
+    }
+    return page;
 }
 
 }  // namespace morphodesic::pipeline

@@ -41,20 +41,29 @@ void state_result(benchmark::State& state, const GeodesicResult<Dim>& result) {
     if (result.termination != Termination::converged) state.SkipWithError(to_string(result.termination));
 }
 
-/// Energy and gradient on dense cells, one core: the counter is the time per quadrature point.
-template <int Dim>
+/// Energy and gradient on dense cells, one core, in double precision and in that of the minimiser: the counter is the
+/// time per quadrature point.
+template <int Dim, class T>
 void energy_and_gradient(benchmark::State& state) {
     const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
     const int level = static_cast<int>(state.range(0)), steps = 4;
     tests::PathProblem<Dim> problem(level, steps, GeodesicOptions{});
-    std::vector<double> gradient(problem.x.size());
-    for (auto _ : state) benchmark::DoNotOptimize(problem.energy.evaluate(problem.x, gradient).total);
+    std::vector<T> gradient(problem.x.size());
+    for (auto _ : state) {
+        if constexpr (std::is_same_v<T, float>) {
+            benchmark::DoNotOptimize(problem.energy.evaluate_single(problem.x, gradient).total);
+        } else {
+            benchmark::DoNotOptimize(problem.energy.evaluate(problem.x, gradient).total);
+        }
+    }
     const double points = steps * static_cast<double>(problem.energy.layout().grid.cell_count()) * (1 << Dim);
     state.counters["per_point"] =
         benchmark::Counter(points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
-BENCHMARK_TEMPLATE(energy_and_gradient, 2)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
-BENCHMARK_TEMPLATE(energy_and_gradient, 3)->Arg(5)->Arg(6)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(energy_and_gradient, 2, double)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(energy_and_gradient, 2, float)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(energy_and_gradient, 3, double)->Arg(5)->Arg(6)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(energy_and_gradient, 3, float)->Arg(5)->Arg(6)->Unit(benchmark::kMillisecond);
 
 /// A to B: level, time steps, 10^5 times the tolerance; all cores.
 void letters_a_to_b(benchmark::State& state) {

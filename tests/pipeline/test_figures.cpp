@@ -51,7 +51,8 @@ protected:
     static void SetUpTestSuite() {
         folder_ = std::make_unique<tests::TemporaryFolder>();
         code_ =
-            run_program({"figures", "2", "3", "5", "7", "9", "--quick", "--quiet", "--out", folder_->path().string()});
+            run_program({"figures", "2", "3", "5", "7", "9", "accuracy", "--quick", "--quiet", "--out",
+                         folder_->path().string(), "--markdown", (folder_->path() / "docs" / "report.md").string()});
     }
     static void TearDownTestSuite() { folder_.reset(); }
     static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
@@ -62,7 +63,7 @@ protected:
 
 TEST_F(Figures, EveryFigureHasPictureTableAndPage) {
     ASSERT_EQ(code_, 0);
-    for (const std::string name : {"figure-2", "figure-3", "figure-5", "figure-7", "figure-9"}) {
+    for (const std::string name : {"figure-2", "figure-3", "figure-5", "figure-7", "figure-9", "accuracy"}) {
         EXPECT_EQ(start_of(file(name + ".png"), 4), "\x89PNG") << name;
         EXPECT_EQ(start_of(file(name + ".svg"), 5), "<?xml") << name;
     }
@@ -72,6 +73,31 @@ TEST_F(Figures, EveryFigureHasPictureTableAndPage) {
     EXPECT_NE(text.str().find("figure-2.png"), std::string::npos);
     EXPECT_NE(text.str().find("figure-3.csv"), std::string::npos);
     EXPECT_EQ(text.str().find("not met"), std::string::npos);
+}
+
+TEST_F(Figures, TheAccuracyReportComparesWithClosedForms) {
+    ASSERT_EQ(code_, 0);
+    std::map<std::string, int> studies;
+    double last = 1e300;
+    for (const Row& row : read_csv(file("accuracy.csv"))) {
+        ++studies[row.at("study")];
+        if (row.at("study") != "closed form 2D") continue;
+        const double exact = std::sqrt(std::numbers::pi * 8.0) * 0.05;
+        EXPECT_NEAR(std::stod(row.at("reference")), exact, 1e-9);
+        const double error = std::abs(std::stod(row.at("path_length")) - exact);
+        EXPECT_NEAR(std::abs(std::stod(row.at("deviation"))), error / exact, 1e-9);
+        EXPECT_LE(error, std::stod(row.at("error_bar")));
+        EXPECT_LT(error, last);
+        last = error;
+    }
+    for (const std::string study : {"closed form 2D", "closed form 3D", "time steps", "reversed", "moved"}) {
+        EXPECT_GE(studies[study], 1) << study;
+    }
+    const std::string report = start_of(folder_->path() / "docs" / "report.md", 1 << 20);
+    EXPECT_NE(report.find("![What path lengths are off by](accuracy.svg)"), std::string::npos);
+    EXPECT_NE(report.find("| closed form 2D | balls 0.20, 0.25 | 5 |"), std::string::npos);
+    EXPECT_EQ(report.find("**not met**"), std::string::npos);
+    EXPECT_EQ(start_of(folder_->path() / "docs" / "accuracy.svg", 5), "<?xml");
 }
 
 TEST_F(Figures, TheBarRollsUpAndKeepsItsLengthAndWidth) {
