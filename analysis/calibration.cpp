@@ -17,20 +17,24 @@ double logistic(double t) {
     return t >= 0.0 ? 1.0 / (1.0 + std::exp(-t)) : std::exp(t) / (1.0 + std::exp(t));
 }
 
-/// Newton's method on the cross entropy, which is convex; halved steps keep it from overshooting.
+/// Newton's method on the cross entropy, which is convex; halved steps keep it from overshooting. Where nearly all
+/// answers are right the margins alone would not tell how little a small one means: at margin 0 two classes are equally
+/// near, so one of two such answers is wrong. That counts like the root of the number of answers, little among many.
 void fit_logistic(std::span<const double> margins, std::span<const unsigned char> right, ConfidenceCurve& curve) {
     const auto count = static_cast<double>(margins.size());
     const double good = std::accumulate(right.begin(), right.end(), 0.0), bad = count - good;
     const double target_good = (good + 1.0) / (good + 2.0), target_bad = 1.0 / (bad + 2.0);
     const double rate = (good * target_good + bad * target_bad) / count;
     const double flat = std::log(rate / (1.0 - rate));
+    const double toss = std::sqrt(count);
+    const auto softplus = [](double t) { return t > 0.0 ? std::log1p(std::exp(-t)) + t : std::log1p(std::exp(t)); };
     const auto loss = [&](double a, double b) {
         double sum = 0.0;
         for (std::size_t i = 0; i < margins.size(); ++i) {
             const double t = a + b * margins[i], target = right[i] != 0 ? target_good : target_bad;
-            sum += (t > 0.0 ? std::log1p(std::exp(-t)) + t : std::log1p(std::exp(t))) - target * t;
+            sum += softplus(t) - target * t;
         }
-        return sum;
+        return sum + toss * (softplus(a) - 0.5 * a);
     };
     double a = flat, b = 0.0, now = loss(a, b);
     for (int iteration = 0; iteration < 100; ++iteration) {
@@ -44,6 +48,8 @@ void fit_logistic(std::span<const double> margins, std::span<const unsigned char
             hab += w * m;
             hbb += w * m * m;
         }
+        ga += toss * (logistic(a) - 0.5);
+        haa += toss * logistic(a) * (1.0 - logistic(a));
         const double det = haa * hbb - hab * hab;
         if (!(det > 1e-14 * haa * hbb)) break;  // all margins alike: the rate is all there is to say
         const double da = (hbb * ga - hab * gb) / det, db = (haa * gb - hab * ga) / det;

@@ -8,7 +8,9 @@
 namespace morphodesic::analysis {
 
 enum class CalibrationKind {
-    logistic,  ///< confidence = 1 / (1 + exp(-(offset + slope margin))), slope >= 0 (Platt 1999, with his soft targets)
+    /// confidence = 1 / (1 + exp(-(offset + slope margin))), slope >= 0 (Platt 1999, with his soft targets, and drawn
+    /// towards 1/2 at margin 0 as if by root n more answers)
+    logistic,
     isotonic,  ///< steps of the monotone regression of right / wrong on the margin; wants some hundred answers
 };
 

@@ -60,12 +60,21 @@ double scale_of(const Calibration& calibration, const std::string& name) {
     return missing;
 }
 
-double novelty_of(const std::vector<RankedClass>& ranked, const Calibration& calibration, double exponent) {
-    const double distance = ranked.front().distance, scale = scale_of(calibration, ranked.front().name);
+/// d1 / scale (d1 / d2)^exponent, for the scale of the nearest class.
+double novelty_of(const std::vector<RankedClass>& ranked, double scale, double exponent) {
+    const double distance = ranked.front().distance;
     if (distance == 0.0) return 0.0;
     if (!(scale > 0.0)) return std::isnan(scale) ? missing : std::numeric_limits<double>::infinity();
     if (exponent == 0.0 || ranked.size() < 2) return distance / scale;
     return distance / scale * std::pow(distance / ranked[1].distance, exponent);
+}
+
+/// Scale of a class whose members are so far from their nearest other member. Few members tell little of their class,
+/// so it is drawn towards the typical distance of all classes: as if by one more member, and then half the way.
+double class_scale(std::vector<double> within, double typical) {
+    if (!std::isnan(typical)) within.push_back(typical);
+    const double own = mean(within);
+    return typical > 0.0 ? std::sqrt(own * typical) : own;
 }
 
 /// The rank that keeps the promised rate also for the next query (conformal prediction). @return NaN: too few values
@@ -76,18 +85,25 @@ double conformal_limit(std::vector<double> values, double rate) {
     return values[static_cast<std::size_t>(rank) - 1];
 }
 
+/// A template as if it were a query.
+struct LeftOut {
+    std::vector<RankedClass> ranked;
+    double scale;  ///< of the nearest class, as the other templates tell it
+};
+
 /// Exponent and limit of the novelty: members must be accepted at the promised rate, and as many templates as possible
-/// turned away whose own class is left out.
-void calibrate_novelty(const std::vector<std::vector<RankedClass>>& members,
-                       const std::vector<std::vector<RankedClass>>& strangers, Calibration& result) {
+/// turned away whose own class is left out. Larger exponents turn away more of them, and break the promise to members
+/// that are no templates.
+void calibrate_novelty(const std::vector<LeftOut>& members, const std::vector<LeftOut>& strangers,
+                       Calibration& result) {
     result.strangers = strangers.size();
-    for (const double exponent : {0.0, 0.5, 1.0, 2.0, 4.0}) {
+    for (const double exponent : {0.0, 0.5, 1.0, 2.0}) {
         std::vector<double> novelties;
-        for (const auto& ranked : members) novelties.push_back(novelty_of(ranked, result, exponent));
+        for (const LeftOut& m : members) novelties.push_back(novelty_of(m.ranked, m.scale, exponent));
         const double limit = conformal_limit(novelties, result.options.false_rejection);
         const auto rejected =
-            static_cast<std::size_t>(std::count_if(strangers.begin(), strangers.end(), [&](const auto& ranked) {
-                return ranked.size() > 1 && novelty_of(ranked, result, exponent) > limit;
+            static_cast<std::size_t>(std::count_if(strangers.begin(), strangers.end(), [&](const LeftOut& s) {
+                return s.ranked.size() > 1 && novelty_of(s.ranked, s.scale, exponent) > limit;
             }));
         if (exponent > 0.0 && rejected <= result.strangers_rejected) continue;
         result.novelty_exponent = exponent;
@@ -131,7 +147,8 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
     const std::vector<ClassCount> counts = class_counts(classes);
     std::map<std::string, std::vector<double>> own;  // distance of each member to its own class
     std::vector<double> all, margins;
-    std::vector<std::vector<RankedClass>> members, strangers;
+    std::vector<std::vector<RankedClass>> rankings;
+    std::vector<std::pair<std::string, double>> queries;  // class and distance to it, NaN if not known
     std::vector<unsigned char> right;
     std::vector<double> row(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -147,23 +164,32 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
         result.right += good ? 1 : 0;
         margins.push_back(margin_of(ranked));
         right.push_back(good ? 1 : 0);
-        members.push_back(ranked);
-        strangers.push_back(ranked);
-        std::erase_if(strangers.back(), [&](const RankedClass& c) { return c.name == classes[i]; });
-        if (strangers.back().empty()) strangers.pop_back();
+        queries.emplace_back(classes[i], missing);
         for (const RankedClass& c : ranked) {
             if (c.name != classes[i]) continue;
             own[classes[i]].push_back(c.distance);
             all.push_back(c.distance);
+            queries.back().second = c.distance;
         }
+        rankings.push_back(ranked);
     }
     if (result.queries > 0) result.accuracy = static_cast<double>(result.right) / static_cast<double>(result.queries);
     const double typical = quantile(all, 0.5);
     for (const ClassCount& c : counts) {
-        std::vector<double> within = own[c.name];
-        std::sort(within.begin(), within.end());
-        if (!std::isnan(typical)) within.push_back(typical);
-        result.scales.push_back({c.name, mean(within)});
+        result.scales.push_back({c.name, class_scale(own[c.name], typical)});
+    }
+    std::vector<LeftOut> members, strangers;
+    for (std::size_t q = 0; q < rankings.size(); ++q) {
+        const auto& [name, distance] = queries[q];
+        std::vector<double> others = own[name];
+        if (!std::isnan(distance)) others.erase(std::find(others.begin(), others.end(), distance));
+        const std::string& nearest = rankings[q].front().name;
+        members.push_back({rankings[q], nearest == name ? class_scale(others, typical) : scale_of(result, nearest)});
+        std::vector<RankedClass> foreign = rankings[q];
+        std::erase_if(foreign, [&, &own_class = name](const RankedClass& c) { return c.name == own_class; });
+        if (foreign.empty()) continue;
+        const double scale = scale_of(result, foreign.front().name);
+        strangers.push_back({std::move(foreign), scale});
     }
     calibrate_novelty(members, strangers, result);
     result.confidence = fit_confidence(margins, right, options.calibration);
@@ -213,7 +239,7 @@ Classification classify(std::span<const double> distances, std::span<const std::
     }
     if (calibration == nullptr) return result;
     result.confidence = calibration->confidence(result.margin);
-    result.novelty = novelty_of(result.classes, *calibration, calibration->novelty_exponent);
+    result.novelty = novelty_of(result.classes, scale_of(*calibration, best.name), calibration->novelty_exponent);
     if (result.novelty > calibration->novelty_limit) {
         result.rejection = Rejection::too_far;
     } else if (result.confidence < options.least_confidence) {

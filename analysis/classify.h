@@ -56,7 +56,7 @@ struct Calibration {
     double accuracy = missing;
     ConfidenceCurve confidence;
     /// Usual distance of a member to the nearest other member: mean over the members, drawn towards the median of all
-    /// classes as if by one more member.
+    /// classes as if by one more member, and the geometric mean of that and the median.
     struct ClassScale {
         std::string name;
         double scale;

@@ -5,7 +5,7 @@ namespace morphodesic::pipeline {
 std::vector<std::string> ClassifyOptions::problems() const {
     std::vector<std::string> result;
     if (correction != "filled" && correction != "none" && correction != "visible" && correction != "cut") {
-        result.push_back("--correction must be cut, filled, visible or none, not \"" + correction + "\"");
+        result.push_back("--correction must be visible, cut, filled or none, not \"" + correction + "\"");
     }
     if (!(largest_hidden >= 0.0 && largest_hidden <= 0.95))
         result.emplace_back("--largest-hidden must be from 0 to 0.95");

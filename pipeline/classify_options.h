@@ -8,8 +8,8 @@ namespace morphodesic::pipeline {
 /// How a query of which a part may be hidden is compared with templates. One list of fields feeds command line and
 /// output.
 struct ClassifyOptions {
-    std::string correction = "cut";  ///< cut | filled | visible | none: against the bias of hidden parts
-    double largest_hidden = 0.6;     ///< share of a shape that may be hidden, in [0, 0.95]
+    std::string correction = "visible";  ///< visible | cut | filled | none: against the bias of hidden parts
+    double largest_hidden = 0.6;         ///< share of a shape that may be hidden, in [0, 0.95]
     double hidden_cost = 0.35;      ///< mask auto: what hiding a part costs, per root of the area that was hidden, >= 0
     int alignments = 2;             ///< alignments per template that coarse geodesics decide between, >= 1
     std::string mirror = "auto";    ///< auto | no | yes: do templates stand for their mirror images as well
@@ -22,11 +22,11 @@ struct ClassifyOptions {
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
-        visit(
-            "correction", self.correction,
-            "what makes distances of partly hidden queries comparable, all per visible share: cut (the template is cut "
-            "as the query is), filled (the hidden part is as stiff as the template's), visible (masked mismatch only); "
-            "or none (the masked path length of the paper)");
+        visit("correction", self.correction,
+              "what makes distances of partly hidden queries comparable, all per visible share: visible (mismatch "
+              "masked as "
+              "in the paper), cut (the template is cut as the query is), filled (the hidden part is as stiff as the "
+              "template's); or none (the masked path length of the paper)");
         visit("largest-hidden", self.largest_hidden, "share of a shape that may be hidden");
         visit("hidden-cost", self.hidden_cost,
               "--mask auto: what hiding a part costs, as a distance per root of its area");

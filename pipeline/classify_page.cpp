@@ -158,7 +158,8 @@ reports::ClassificationPage classification_page(const ClassificationRun& run, co
         query.verdict = accepted ? "This is: " + q.answer.label
                                  : std::string("None of these: ") + analysis::to_string(q.answer.rejection) +
                                        (q.answer.label.empty() ? "" : "; nearest is " + q.answer.label);
-        query.right = q.truth.empty() || q.truth == q.answer.label;
+        const bool known = std::find(run.classes.begin(), run.classes.end(), q.truth) != run.classes.end();
+        query.right = q.truth.empty() || (known ? q.truth == q.answer.label : !accepted);
         if (!q.truth.empty()) query.facts.emplace_back("truth", q.truth);
         query.facts.emplace_back("confidence", share_text(q.answer.confidence));
         query.facts.emplace_back("margin", text_of(q.answer.margin, "%.3g"));

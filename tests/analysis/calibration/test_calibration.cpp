@@ -48,6 +48,18 @@ TEST(Calibration, ConfidenceNeverFallsWithTheMargin) {
     }
 }
 
+TEST(Calibration, ASmallMarginIsNoProofEvenIfAllAnswersWereRight) {
+    std::vector<double> margins;
+    for (int i = 0; i < 64; ++i) margins.push_back(0.2 + 0.01 * i);
+    std::vector<unsigned char> right(64, 1);
+    right[10] = 0;
+    const ConfidenceCurve curve = fit_confidence(margins, right, CalibrationKind::logistic);
+    EXPECT_GT(curve(0.0), 0.45);
+    EXPECT_LT(curve(0.0), 0.75);
+    EXPECT_GT(curve(0.5), 0.93);
+    EXPECT_GT(curve(0.8), 0.97);
+}
+
 TEST(Calibration, FewOrOneSidedAnswersStayModest) {
     const std::vector<double> margins{0.2, 0.4, 0.6};
     const ConfidenceCurve all_right =
