@@ -178,6 +178,37 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
     return image;
 }
 
+double slice_position(std::span<const LevelSet<3>> shapes, int across, const Rotation& turn) {
+    constexpr int places = 64;
+    const auto axis = static_cast<std::size_t>(across);
+    std::array<double, places> area{};
+    for (const LevelSet<3>& shape : shapes) {
+        const double volume = std::pow(shape.grid.spacing(), 3);
+        for (std::size_t i = 0; i < shape.values.size(); ++i) {
+            if (shape.values[i] <= 0) continue;
+            const Vector3 p = shape.grid.position(shape.grid.node(i));
+            const double at = 0.5 + turned(turn, {p[0] - 0.5, p[1] - 0.5, p[2] - 0.5})[axis];
+            // Shared between two places, as nodes of coarse grids are farther apart than places.
+            const double place = std::clamp(at * places - 0.5, 0.0, places - 1.001);
+            const auto below = static_cast<std::size_t>(place);
+            area[below] += volume * (1.0 - (place - static_cast<double>(below)));
+            area[below + 1] += volume * (place - static_cast<double>(below));
+        }
+    }
+    std::array<double, places> smooth{};
+    for (int i = 2; i < places - 2; ++i) {
+        for (int d = -2; d <= 2; ++d) smooth[static_cast<std::size_t>(i)] += area[static_cast<std::size_t>(i + d)];
+    }
+    const double enough = 0.9 * *std::max_element(smooth.begin(), smooth.end());
+    double best = 0.5, nearest = 1.0;
+    for (int i = 0; i < places; ++i) {
+        const double position = (i + 0.5) / places;
+        if (smooth[static_cast<std::size_t>(i)] < enough || std::abs(position - 0.5) >= nearest) continue;
+        best = position, nearest = std::abs(position - 0.5);
+    }
+    return nearest < 1.0 / places ? 0.5 : best;
+}
+
 PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, int pixels,
                          const ScalarField<3>* colour, const ColourRange& range, int up_axis, double radius,
                          const Rotation& turn) {
@@ -189,7 +220,8 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
     const int up = up_axis >= 0 ? up_axis : across == 2 ? 1 : 2, right = 3 - across - up;
     PixelImage image{pixels, pixels, 4, 255.0, {}};
     image.values.assign(4 * image.pixel_count(), 255);
-    constexpr double stripe = 0.04;
+    double stripe = 0.04;
+    while (stripe > radius / 9.0) stripe /= 2.0;
     for (int y = 0; y < pixels; ++y) {
         for (int x = 0; x < pixels; ++x) {
             Vector3 p;

@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,8 +66,13 @@ private:
 PixelImage shaded_view(const LevelSet<3>& shape, const View& view = {}, const ScalarField<3>* colour = nullptr,
                        const ColourRange& range = {});
 
-/// Plane through a solid: level lines of u as stripes (their width is the distance between lines), the object in
-/// colour, the background grey, its contour black.
+/// Where to cut solids across an axis so that the cuts are large: the place in [0,1] with the largest area of all cuts
+/// together, the one nearest to the middle of those that have nearly as much.
+/// @param turn  how the solids are turned about the middle of the cube first
+double slice_position(std::span<const LevelSet<3>> shapes, int across, const Rotation& turn = unturned);
+
+/// Plane through a solid: level lines of u as stripes (their width is the distance between lines: 0.04, or less if
+/// less of the cube is shown), the object in colour, the background grey, its contour black.
 /// @param across    axis perpendicular to the plane
 /// @param position  of the plane, in [0,1]
 /// @param up_axis   axis that points up in the picture, not `across`; -1: the higher one of the other two

@@ -82,7 +82,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                       const KeptSolids& kept, const StudyFolder& folder, const std::filesystem::path& below,
                       std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
-    const std::string key = Dim == 2 ? "path 4 " + pair : "path 5 " + pair + " " + key_of(view);
+    const std::string key = Dim == 2 ? "path 4 " + pair : "path 6 " + pair + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
     if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);

@@ -108,11 +108,12 @@ PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const S
     PathPictures pictures;
     pictures.highest = upper_end<3>(std::span(rates).first(path.deformations.size()), path.shapes);
     const datasets::ColourRange range = dissipation_range(pictures.highest);
+    const double cut = datasets::slice_position(path.shapes, view.slice_axis, view.camera.turn);
     for (std::size_t k = 0; k < rates.size(); ++k) {
         const RgbaImage solid = shaded_picture(path.shapes[k], sized(view.camera, pixels), &rates[k], pictures.highest);
         const auto slice = seen_from(
             view.camera, view.slice_axis,
-            datasets::slice_picture(path.shapes[k], view.slice_axis, 0.5, pixels, &rates[k], range, view.camera.up_axis,
+            datasets::slice_picture(path.shapes[k], view.slice_axis, cut, pixels, &rates[k], range, view.camera.up_axis,
                                     datasets::view_radius(view.camera), view.camera.turn));
         pictures.frames.push_back(stacked(solid, to_rgba(slice), 4));
     }
