@@ -235,7 +235,7 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
             if (u > 0 && colour != nullptr) c = coloured(share(value_at(*colour, p), range), range);
             // Two tones in turn: the level lines are where the tone changes.
             const bool odd = (static_cast<long>(std::floor(u / stripe)) & 1) != 0;
-            double tone = odd ? (u > 0 ? 0.86 : 0.94) : 1.0;
+            double tone = odd ? (u > 0 ? 0.74 : 0.94) : 1.0;
             if (std::abs(u) < 2.4 * radius / pixels) tone = 0.0;
             auto* out = image.values.data() + 4 * (static_cast<std::size_t>(y) * pixels + x);
             for (int i = 0; i < 3; ++i) out[i] = byte(tone * c[i]);
