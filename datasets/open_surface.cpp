@@ -79,7 +79,7 @@ std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& l
                                       const std::vector<float>& distance) {
     constexpr int block = 4;
     const double near = 1.05 * lattice.spacing;
-    const auto [nx, ny, nz] = lattice.nodes;
+    const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     const std::array<int, 3> corners{(nx - 1) / block + 2, (ny - 1) / block + 2, (nz - 1) / block + 2};
     const auto corner_index = [&](int i, int j, int k) {
         return i + static_cast<std::size_t>(corners[0]) * (j + static_cast<std::size_t>(corners[1]) * k);
@@ -170,7 +170,7 @@ std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& l
 TriangleMesh rebuilt_open(const TriangleTree& tree, const Lattice& lattice, const std::vector<float>& distance) {
     const auto h = static_cast<float>(lattice.spacing);
     const std::vector<float> w = winding_above_half(tree, lattice, distance);
-    const auto [nx, ny, nz] = lattice.nodes;
+    const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     std::vector<float> values(lattice.node_count(), -3.0F * h);
     tbb::parallel_for(1, nz - 1, [&](int k) {
         for (int j = 1; j < ny - 1; ++j) {
