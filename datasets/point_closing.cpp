@@ -34,7 +34,7 @@ namespace {
 /// Nodes that a ball of the given radius reaches from the border without touching a point.
 std::vector<char> reached_from_outside(const Lattice& lattice, const std::vector<float>& distance, double radius) {
     std::vector<char> reached(lattice.node_count(), 0);
-    const auto [nx, ny, nz] = lattice.nodes;
+    const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     std::vector<std::size_t> queue;
     const auto visit = [&](int i, int j, int k) {
         const std::size_t n = lattice.index(i, j, k);
@@ -66,7 +66,7 @@ std::vector<char> reached_from_outside(const Lattice& lattice, const std::vector
 
 Closing closing(const Lattice& lattice, const std::vector<float>& distance, double radius) {
     const std::vector<char> outside = reached_from_outside(lattice, distance, radius);
-    const auto [nx, ny, nz] = lattice.nodes;
+    const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     std::vector<Vector3> rim;  // where the ball's centre comes to a stop, between two nodes
     Closing result;
     for (int k = 0; k < nz; ++k) {

@@ -8,7 +8,7 @@
 namespace morphodesic::datasets {
 
 std::vector<std::int8_t> winding_numbers(const TriangleMesh& mesh, const Lattice& lattice) {
-    const auto [nx, ny, nz] = lattice.nodes;
+    const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     const double h = lattice.spacing;
     // Rows are shifted by a sliver, so that they pass through no corner of meshes made on a grid.
     const double shift_y = 1.234567e-7 * h, shift_z = 2.345678e-7 * h;
