@@ -173,7 +173,9 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
         }
         rankings.push_back(ranked);
     }
-    if (result.queries > 0) result.accuracy = static_cast<double>(result.right) / static_cast<double>(result.queries);
+    // Among members of one class no answer could be wrong.
+    if (result.queries > 0 && counts.size() > 1)
+        result.accuracy = static_cast<double>(result.right) / static_cast<double>(result.queries);
     const double typical = quantile(all, 0.5);
     for (const ClassCount& c : counts) {
         result.scales.push_back({c.name, class_scale(own[c.name], typical)});

@@ -342,7 +342,11 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
             r.diffused = diffused_distances(known, d);
         });
     }
-    if (!class_counts(r.classes).empty()) {
+    const std::vector<ClassCount> counts = class_counts(r.classes);
+    if (counts.size() == 1) {
+        r.remarks.push_back("All shapes with a class are of the same one (" + counts.front().name +
+                            "): no neighbour could be of another, so no accuracy is stated.");
+    } else if (!counts.empty()) {
         part("classes", [&] {
             const auto k = static_cast<std::size_t>(options.neighbors);
             r.class_results.push_back(judge("distances", known, r.classes, k));

@@ -85,7 +85,7 @@ std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, 
         if (f.name.size() == 1 && f.name[0] >= 'x' && f.name[0] <= 'z') axis[f.name[0] - 'x'] = &f;
     }
     for (const Field* a : axis) {
-        if (a == nullptr) refuse(file, "its points have no x, y and z");
+        if (a == nullptr || a->count == 0) refuse(file, "its points have no x, y and z");
         if (data == "binary" && (a->type != 'F' || (a->size != 4 && a->size != 8)))
             refuse(file, "its coordinates are not floating point numbers");
     }

@@ -74,6 +74,22 @@ std::uint16_t byte(double v) {
 
 }  // namespace
 
+std::array<double, 3> turned(const Rotation& turn, const std::array<double, 3>& direction) {
+    std::array<double, 3> result{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) result[a] += turn[3 * a + b] * direction[b];
+    }
+    return result;
+}
+
+std::array<double, 3> turned_back(const Rotation& turn, const std::array<double, 3>& direction) {
+    std::array<double, 3> result{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) result[a] += turn[3 * b + a] * direction[b];
+    }
+    return result;
+}
+
 ViewAxes axes_of(const View& view) {
     const double azimuth = view.azimuth * std::numbers::pi / 180.0,
                  elevation = view.elevation * std::numbers::pi / 180.0;
@@ -87,6 +103,7 @@ ViewAxes axes_of(const View& view) {
     axes.up[a] = -std::sin(elevation) * std::cos(azimuth);
     axes.up[b] = -std::sin(elevation) * std::sin(azimuth);
     axes.up[u] = std::cos(elevation);
+    for (auto* direction : {&axes.right, &axes.up, &axes.from}) *direction = turned_back(view.turn, *direction);
     return axes;
 }
 
@@ -128,8 +145,7 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
 
     const ViewAxes axes = axes_of(view);
     const openvdb::Vec3R centre(0.5, 0.5, 0.5), from(axes.from.data()), right(axes.right.data());
-    openvdb::Vec3R above(0.0);
-    above[view.up_axis] = 1.0;
+    const openvdb::Vec3R above(axes.up.data());
     openvdb::Vec3R light = 0.55 * from + 0.65 * from.cross(right) - 0.5 * right;
     light.normalize();
 
@@ -162,8 +178,40 @@ PixelImage shaded_view(const LevelSet<3>& shape, const View& view, const ScalarF
     return image;
 }
 
+double slice_position(std::span<const LevelSet<3>> shapes, int across, const Rotation& turn) {
+    constexpr int places = 64;
+    const auto axis = static_cast<std::size_t>(across);
+    std::array<double, places> area{};
+    for (const LevelSet<3>& shape : shapes) {
+        const double volume = std::pow(shape.grid.spacing(), 3);
+        for (std::size_t i = 0; i < shape.values.size(); ++i) {
+            if (shape.values[i] <= 0) continue;
+            const Vector3 p = shape.grid.position(shape.grid.node(i));
+            const double at = 0.5 + turned(turn, {p[0] - 0.5, p[1] - 0.5, p[2] - 0.5})[axis];
+            // Shared between two places, as nodes of coarse grids are farther apart than places.
+            const double place = std::clamp(at * places - 0.5, 0.0, places - 1.001);
+            const auto below = static_cast<std::size_t>(place);
+            area[below] += volume * (1.0 - (place - static_cast<double>(below)));
+            area[below + 1] += volume * (place - static_cast<double>(below));
+        }
+    }
+    std::array<double, places> smooth{};
+    for (int i = 2; i < places - 2; ++i) {
+        for (int d = -2; d <= 2; ++d) smooth[static_cast<std::size_t>(i)] += area[static_cast<std::size_t>(i + d)];
+    }
+    const double enough = 0.9 * *std::max_element(smooth.begin(), smooth.end());
+    double best = 0.5, nearest = 1.0;
+    for (int i = 0; i < places; ++i) {
+        const double position = (i + 0.5) / places;
+        if (smooth[static_cast<std::size_t>(i)] < enough || std::abs(position - 0.5) >= nearest) continue;
+        best = position, nearest = std::abs(position - 0.5);
+    }
+    return nearest < 1.0 / places ? 0.5 : best;
+}
+
 PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, int pixels,
-                         const ScalarField<3>* colour, const ColourRange& range, int up_axis, double radius) {
+                         const ScalarField<3>* colour, const ColourRange& range, int up_axis, double radius,
+                         const Rotation& turn) {
     if (across < 0 || across > 2 || !(position >= 0.0 && position <= 1.0) || pixels < 16 || pixels > 4096 ||
         up_axis > 2 || up_axis == across || !(radius > 0.0)) {
         throw std::invalid_argument(
@@ -172,19 +220,22 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
     const int up = up_axis >= 0 ? up_axis : across == 2 ? 1 : 2, right = 3 - across - up;
     PixelImage image{pixels, pixels, 4, 255.0, {}};
     image.values.assign(4 * image.pixel_count(), 255);
-    constexpr double stripe = 0.04;
+    double stripe = 0.04;
+    while (stripe > radius / 9.0) stripe /= 2.0;
     for (int y = 0; y < pixels; ++y) {
         for (int x = 0; x < pixels; ++x) {
             Vector3 p;
-            p[across] = position;
-            p[right] = 0.5 + radius * (2.0 * (x + 0.5) / pixels - 1.0);
-            p[up] = 0.5 - radius * (2.0 * (y + 0.5) / pixels - 1.0);
+            p[across] = position - 0.5;
+            p[right] = radius * (2.0 * (x + 0.5) / pixels - 1.0);
+            p[up] = -radius * (2.0 * (y + 0.5) / pixels - 1.0);
+            p = turned_back(turn, p);
+            for (double& coordinate : p) coordinate += 0.5;
             const double u = value_at(shape, p);
             Colour c = u > 0 ? plain : Colour{0.93, 0.93, 0.93};
             if (u > 0 && colour != nullptr) c = coloured(share(value_at(*colour, p), range), range);
             // Two tones in turn: the level lines are where the tone changes.
             const bool odd = (static_cast<long>(std::floor(u / stripe)) & 1) != 0;
-            double tone = odd ? (u > 0 ? 0.86 : 0.94) : 1.0;
+            double tone = odd ? (u > 0 ? 0.74 : 0.94) : 1.0;
             if (std::abs(u) < 2.4 * radius / pixels) tone = 0.0;
             auto* out = image.values.data() + 4 * (static_cast<std::size_t>(y) * pixels + x);
             for (int i = 0; i < 3; ++i) out[i] = byte(tone * c[i]);
@@ -203,13 +254,14 @@ int up_axis_by_custom(const std::vector<std::string>& files) {
     return 2 * y_up > files.size() ? 1 : 2;
 }
 
-void CommonView::add(const LevelSet<3>& shape) {
-    const int a = (up_axis_ + 1) % 3, b = (up_axis_ + 2) % 3;
+void CommonView::add(const LevelSet<3>& shape, const Rotation& turn) {
+    const auto a = static_cast<std::size_t>((up_axis_ + 1) % 3), b = static_cast<std::size_t>((up_axis_ + 2) % 3);
     double count = 0.0, mean[2]{}, square[3]{};
     for (std::size_t i = 0; i < shape.values.size(); ++i) {
         if (shape.values[i] <= 0) continue;
-        const auto node = shape.grid.node(i);
-        const double x = node[a] * shape.grid.spacing(), y = node[b] * shape.grid.spacing();
+        const Vector3 p = shape.grid.position(shape.grid.node(i));
+        const auto placed = turned(turn, {p[0] - 0.5, p[1] - 0.5, p[2] - 0.5});
+        const double x = placed[a], y = placed[b];
         count += 1.0, mean[0] += x, mean[1] += y;
         square[0] += x * x, square[1] += y * y, square[2] += x * y;
     }
@@ -220,15 +272,16 @@ void CommonView::add(const LevelSet<3>& shape) {
     moments_[2] += square[2] / count - mean[0] * mean[1];
 }
 
+std::optional<double> CommonView::longest() const {
+    const double difference = moments_[0] - moments_[1], sum = moments_[0] + moments_[1];
+    if (std::hypot(difference, 2.0 * moments_[2]) <= 0.1 * sum) return std::nullopt;
+    return 0.5 * std::atan2(2.0 * moments_[2], difference) * 180.0 / std::numbers::pi;
+}
+
 View CommonView::view() const {
     View view;
     view.up_axis = up_axis_;
-    const double difference = moments_[0] - moments_[1], sum = moments_[0] + moments_[1];
-    const double anisotropy = std::hypot(difference, 2.0 * moments_[2]);
-    if (anisotropy > 0.1 * sum) {  // else round, and any side is as good
-        const double longest = 0.5 * std::atan2(2.0 * moments_[2], difference) * 180.0 / std::numbers::pi;
-        view.azimuth = longest + 90.0 - 25.0;
-    }
+    if (const auto direction = longest()) view.azimuth = *direction + 90.0 - 25.0;  // else any side is as good
     return view;
 }
 

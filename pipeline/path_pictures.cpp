@@ -166,7 +166,13 @@ double picture_reach(const LevelSet<Dim>& u, const SolidView& view, bool with_sl
             const double offset = x[axis] - 0.5;
             right += axes.right[axis] * offset;
             up += axes.up[axis] * offset;
-            if (Dim == 2 || (with_slice && a != view.slice_axis)) reach = std::max(reach, std::abs(offset));
+            if (Dim == 2) reach = std::max(reach, std::abs(offset));
+        }
+        if constexpr (Dim == 3) {
+            const Point<3> turned = datasets::turned(view.camera.turn, {x[0] - 0.5, x[1] - 0.5, x[2] - 0.5});
+            for (std::size_t a = 0; with_slice && a < 3; ++a) {
+                if (static_cast<int>(a) != view.slice_axis) reach = std::max(reach, std::abs(turned[a]));
+            }
         }
         reach = std::max({reach, std::abs(right), std::abs(up)});
     }

@@ -15,7 +15,7 @@ inline constexpr double picture_radius = 0.4;
 /// How the solids of a study are looked at; of plane shapes only the zoom of the camera counts (1: picture_radius).
 struct SolidView {
     datasets::View camera;
-    int slice_axis = 1;  ///< slices are perpendicular to it, through the middle of the cube
+    int slice_axis = 1;  ///< slices are perpendicular to it, where they are large
 };
 
 /// Half width of the smallest picture around the middle of the cube that shows the whole shape.

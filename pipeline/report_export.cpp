@@ -38,18 +38,18 @@ ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store
 /// Pictures of all shapes at one scale: that of the largest of them. Where that leaves most shapes as specks, each
 /// fills its picture, and the model says so.
 template <int Dim>
-void add_thumbnails(const StudyData& data, const ResultStore& store, const SolidView& view, AnalysedStudy& analysed) {
+void add_thumbnails(const StudyData& data, const ResultStore& store, const StudyView& view, AnalysedStudy& analysed) {
     const std::vector<std::size_t>& kept = analysed.analysis.kept;
     const auto shape = [&](std::size_t i) { return store.level_set<Dim>(data.shapes[kept[i]].content_digest); };
     std::vector<double> reach(kept.size());
     tbb::parallel_for(std::size_t{0}, kept.size(),
-                      [&](std::size_t i) { reach[i] = picture_reach<Dim>(shape(i), view); });
+                      [&](std::size_t i) { reach[i] = picture_reach<Dim>(shape(i), view.of(kept[i])); });
     std::vector<double> sorted = reach;
     std::sort(sorted.begin(), sorted.end());
     analysed.model.pictures_at_one_scale = sorted[sorted.size() / 2] >= 0.65 * sorted.back();
     if (analysed.model.pictures_at_one_scale) reach.assign(kept.size(), sorted.back());
     tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
-        const RgbaImage image = shape_picture(shape(i), thumbnail_pixels, near_view<Dim>(view, reach[i]));
+        const RgbaImage image = shape_picture(shape(i), thumbnail_pixels, near_view<Dim>(view.of(kept[i]), reach[i]));
         analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, data.shapes[kept[i]].name};
     });
 }
@@ -82,7 +82,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                       const KeptSolids& kept, const StudyFolder& folder, const std::filesystem::path& below,
                       std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
-    const std::string key = Dim == 2 ? "path 4 " + pair : "path 5 " + pair + " " + key_of(view);
+    const std::string key = Dim == 2 ? "path 4 " + pair : "path 6 " + pair + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
     if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);
@@ -123,7 +123,7 @@ std::string path_folder(std::size_t number, const std::string& a, const std::str
 
 template <int Dim>
 void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
-               Progress& progress, const SolidView& view, AnalysedStudy& analysed) {
+               Progress& progress, const StudyView& view, AnalysedStudy& analysed) {
     const KeptSolids kept(folder);
     reports::ReportModel& model = analysed.model;
     const auto chosen = choose_paths(model, options.paths);
@@ -140,8 +140,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         const bool forward = data.first_is_a[data.index(i, j)];
         const StoredShape &from = data.shapes[forward ? i : j], &to = data.shapes[forward ? j : i];
         const std::filesystem::path below = std::filesystem::path("paths") / path_folder(p, from.name, to.name);
-        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data.geodesic_of(data.index(i, j)), store, view, kept,
-                                           folder, below, remarks[p]);
+        DrawnPath drawn = pictures_of<Dim>(*pair, from, to, data.geodesic_of(data.index(i, j)), store,
+                                           view.of(forward ? j : i), kept, folder, below, remarks[p]);
         if (drawn.frames.empty()) return;
         write_path_files(folder, below, drawn);
 
@@ -191,7 +191,7 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     if (analysed.model.shapes.empty()) return;
     analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
     with_dimension(data.dimension, [&]<int Dim>() {
-        const SolidView view = Dim == 3 ? view_of_study(store, data.shapes) : SolidView{};
+        const StudyView view = view_of_study(store, data);
         add_thumbnails<Dim>(data, store, view, analysed);
         add_paths<Dim>(data, store, folder, options, progress, view, analysed);
     });

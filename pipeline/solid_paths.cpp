@@ -5,10 +5,13 @@
 #include <cstdio>
 #include <fstream>
 #include <numbers>
+#include <numeric>
+#include <optional>
 
 #include "datasets/read_error.h"
 #include "datasets/vdb_files.h"
 #include "pipeline/colour_map.h"
+#include "pipeline/common_frame.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -63,6 +66,24 @@ datasets::ColourRange dissipation_range(double high) {
             }};
 }
 
+/// Turns one axis of the cube into another by renaming all three in turn.
+datasets::Rotation axis_turn(int from, int to) {
+    datasets::Rotation turn{};
+    for (int a = 0; a < 3; ++a) turn[static_cast<std::size_t>(3 * ((a + to - from + 3) % 3) + a)] = 1.0;
+    return turn;
+}
+
+datasets::Rotation turn_about(int axis, double degrees) {
+    const auto u = static_cast<std::size_t>(axis), a = (u + 1) % 3, b = (u + 2) % 3;
+    const double angle = degrees * std::numbers::pi / 180.0;
+    datasets::Rotation turn{};
+    turn[3 * u + u] = 1.0;
+    turn[3 * a + a] = turn[3 * b + b] = std::cos(angle);
+    turn[3 * b + a] = std::sin(angle);
+    turn[3 * a + b] = -turn[3 * b + a];
+    return turn;
+}
+
 std::string key_in(const fs::path& folder) {
     std::ifstream in(folder / mark_file);
     std::string key;
@@ -87,31 +108,71 @@ PathPictures path_pictures<3>(const GeodesicResult<3>& path, int pixels, const S
     PathPictures pictures;
     pictures.highest = upper_end<3>(std::span(rates).first(path.deformations.size()), path.shapes);
     const datasets::ColourRange range = dissipation_range(pictures.highest);
+    const double cut = datasets::slice_position(path.shapes, view.slice_axis, view.camera.turn);
     for (std::size_t k = 0; k < rates.size(); ++k) {
         const RgbaImage solid = shaded_picture(path.shapes[k], sized(view.camera, pixels), &rates[k], pictures.highest);
-        const auto slice =
-            seen_from(view.camera, view.slice_axis,
-                      datasets::slice_picture(path.shapes[k], view.slice_axis, 0.5, pixels, &rates[k], range,
-                                              view.camera.up_axis, datasets::view_radius(view.camera)));
+        const auto slice = seen_from(
+            view.camera, view.slice_axis,
+            datasets::slice_picture(path.shapes[k], view.slice_axis, cut, pixels, &rates[k], range, view.camera.up_axis,
+                                    datasets::view_radius(view.camera), view.camera.turn));
         pictures.frames.push_back(stacked(solid, to_rgba(slice), 4));
     }
     return pictures;
 }
 
-SolidView view_of_study(const ResultStore& store, const std::vector<StoredShape>& shapes) {
-    std::vector<std::string> files;
-    for (const StoredShape& shape : shapes) files.push_back(shape.name);
-    datasets::CommonView common(datasets::up_axis_by_custom(files));
-    constexpr std::size_t looked_at = 30;  // spread over the collection
-    const std::size_t stride = std::max<std::size_t>(1, shapes.size() / looked_at);
-    for (std::size_t i = 0; i < shapes.size(); i += stride) {
-        if (shapes[i].dimension == 3) common.add(store.level_set<3>(shapes[i].content_digest));
-    }
-    return {common.view(), common.slice_axis()};
+SolidView StudyView::of(std::size_t shape) const {
+    SolidView view = common;
+    if (shape < turns.size()) view.camera.turn = turns[shape];
+    return view;
 }
 
-SolidView view_of_path(const GeodesicResult<3>& path, const std::vector<std::string>& files) {
-    datasets::CommonView common(datasets::up_axis_by_custom(files));
+StudyView view_of_study(const ResultStore& store, const StudyData& data) {
+    StudyView view;
+    if (data.dimension != 3) return view;
+    std::vector<std::string> labels;
+    for (const StoredShape& shape : data.shapes) labels.push_back(shape.label);
+    CommonFrames frames = common_frames(labels, pair_turns(data));
+    view.turns = std::move(frames.turns);
+    std::vector<std::vector<std::size_t>> members(
+        frames.groups.empty() ? 0 : 1 + *std::max_element(frames.groups.begin(), frames.groups.end()));
+    for (std::size_t i = 0; i < frames.groups.size(); ++i) members[frames.groups[i]].push_back(i);
+    const auto up_axis_of = [&](const std::vector<std::size_t>& shapes) {
+        std::vector<std::string> files;  // that lie in their frame as they are
+        for (const std::size_t i : shapes) {
+            if (view.turns[i] == datasets::unturned) files.push_back(data.shapes[i].name);
+        }
+        return datasets::up_axis_by_custom(files);
+    };
+    std::vector<std::size_t> all(data.shapes.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const int up = up_axis_of(all);
+    // How groups lie to each other is not known: each shows its wide side, as the largest one of them does.
+    std::stable_sort(members.begin(), members.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    datasets::CommonView common(up);
+    const std::size_t looked_at = std::max<std::size_t>(2, 30 / std::max<std::size_t>(1, members.size()));
+    std::optional<double> wide;
+    for (const std::vector<std::size_t>& group : members) {
+        const datasets::Rotation upright = axis_turn(up_axis_of(group), up);
+        for (const std::size_t i : group) view.turns[i] = product(upright, view.turns[i]);
+        datasets::CommonView own(up);
+        const std::size_t stride = std::max<std::size_t>(1, group.size() / looked_at);
+        for (std::size_t m = 0; m < group.size(); m += stride) {
+            own.add(store.level_set<3>(data.shapes[group[m]].content_digest), view.turns[group[m]]);
+        }
+        const std::optional<double> longest = own.longest();
+        if (!wide) wide = longest;
+        if (longest && std::abs(std::remainder(*wide - *longest, 180.0)) > 10.0) {
+            const datasets::Rotation around = turn_about(up, std::remainder(*wide - *longest, 180.0));
+            for (const std::size_t i : group) view.turns[i] = product(around, view.turns[i]);
+        }
+        if (&group == &members.front()) common = own;
+    }
+    view.common = {common.view(), common.slice_axis()};
+    return view;
+}
+
+SolidView view_of_path(const GeodesicResult<3>& path, const std::string& file) {
+    datasets::CommonView common(datasets::up_axis_by_custom({file}));
     for (const LevelSet<3>& shape : path.shapes) common.add(shape);
     return {common.view(), common.slice_axis()};
 }
@@ -120,7 +181,14 @@ std::string key_of(const SolidView& view) {
     char text[96];
     std::snprintf(text, sizeof text, "up %d azimuth %.3f elevation %.3f slice %d", view.camera.up_axis,
                   view.camera.azimuth, view.camera.elevation, view.slice_axis);
-    return text;
+    std::string key = text;
+    if (view.camera.turn == datasets::unturned) return key;
+    key += " turn";
+    for (const double entry : view.camera.turn) {
+        std::snprintf(text, sizeof text, " %.3f", entry);
+        key += text;
+    }
+    return key;
 }
 
 std::vector<std::string> write_path_solids(const StudyFolder& folder, const fs::path& below,

@@ -3,16 +3,23 @@
 #include <filesystem>
 
 #include "pipeline/path_pictures.h"
-#include "pipeline/result_store.h"
+#include "pipeline/study_data.h"
 #include "pipeline/study_folder.h"
 
 namespace morphodesic::pipeline {
 
-/// The viewpoint common to all solids of a study; for plane shapes any.
-[[nodiscard]] SolidView view_of_study(const ResultStore& store, const std::vector<StoredShape>& shapes);
+/// How the solids of a study are looked at: in one frame, from one side. For plane shapes any view.
+struct StudyView {
+    SolidView common;
+    std::vector<datasets::Rotation> turns;  ///< of every shape into the frame; empty for plane shapes
+
+    [[nodiscard]] SolidView of(std::size_t shape) const;
+};
+[[nodiscard]] StudyView view_of_study(const ResultStore& store, const StudyData& data);
 
 /// The viewpoint for the shapes of one path.
-[[nodiscard]] SolidView view_of_path(const GeodesicResult<3>& path, const std::vector<std::string>& files);
+/// @param file  name of the last shape: the first was laid onto it
+[[nodiscard]] SolidView view_of_path(const GeodesicResult<3>& path, const std::string& file);
 
 /// Shaded view of a solid, of the camera's size, coloured by a field from 0 to `high` if there is one.
 [[nodiscard]] RgbaImage shaded_picture(const LevelSet<3>& u, const datasets::View& camera,

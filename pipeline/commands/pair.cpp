@@ -86,7 +86,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
         const StudyFolder folder(options.out);
         folder.create();
         SolidView view;
-        if constexpr (Dim == 3) view = view_of_path(path, {a.row.name, b.row.name});
+        if constexpr (Dim == 3) view = view_of_path(path, b.row.name);
         std::vector<std::string> files = write_path_files(folder, "", draw_path(path, view));
         if constexpr (Dim == 3) {
             const std::vector<std::string> solids = write_path_solids(folder, "", path);

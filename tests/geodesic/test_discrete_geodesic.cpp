@@ -102,12 +102,12 @@ TYPED_TEST(DiscreteGeodesicIn, ResultIsConsistentAndOneToOne) {
 TYPED_TEST(DiscreteGeodesicIn, BitsDoNotDependOnThreads) {
     constexpr int dim = TypeParam::value;
     const int level = dim == 2 ? 6 : 4;
-    const auto [a, b] = two_boxes<dim>(level);
+    const auto boxes = two_boxes<dim>(level);
     auto options = options_for(level, 2);
     options.align = "rigid";
     const auto solve = [&](std::size_t threads) {
         oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-        return compute_discrete_geodesic<dim>(a, b, options);
+        return compute_discrete_geodesic<dim>(boxes.first, boxes.second, options);
     };
     const auto one = solve(1), eight = solve(8);
     EXPECT_EQ(one.path_length, eight.path_length);

@@ -153,6 +153,8 @@ TEST(Classify, TooFewTemplatesNeverReject) {
     const Calibration calibration = calibrate(d, classes);
     EXPECT_TRUE(std::isnan(calibration.novelty_limit));  // 5 % of four cannot be told
     EXPECT_EQ(classify(std::vector<double>{100, 99, 90, 89}, classes, {}, &calibration).rejection, Rejection::accepted);
+    const Calibration alike = calibrate(d, Names{"a", "a", "a", "a"});
+    EXPECT_TRUE(std::isnan(alike.accuracy));  // of one class no answer could be wrong
     const Calibration none = calibrate(DistanceMatrix({"x"}), Names{"a"});
     EXPECT_EQ(none.queries, 0u);
     EXPECT_EQ(classify(std::vector<double>{1.0}, Names{"a"}, {}, &none).confidence, 0.5);

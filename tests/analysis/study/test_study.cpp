@@ -88,6 +88,19 @@ TEST(Study, AnswersEveryQuestion) {
     EXPECT_FALSE(r.cancelled);
 }
 
+TEST(Study, ClaimsNoAccuracyWithOneClass) {
+    Case c = four_groups();
+    for (std::string& name : c.input.classes) name = "leaf";
+    const AnalysisResult r = analyse(c.distances, {}, c.input);
+    EXPECT_TRUE(r.class_results.empty());  // every neighbour would be right
+    EXPECT_FALSE(r.permanova.has_value());
+    EXPECT_THAT(r.remarks, testing::Contains(testing::HasSubstr("of the same one (leaf)")));
+    EXPECT_EQ(r.classes.size(), 40u);  // still named in the tables
+
+    c.input.classes.front() = "flower";  // two classes can be told apart, one member or not
+    EXPECT_EQ(analyse(c.distances, {}, c.input).class_results.size(), 1u);
+}
+
 TEST(Study, GapsAreTreatedAndTold) {
     Case c = four_groups();
     DistanceMatrix d({"lonely"});

@@ -109,5 +109,36 @@ TEST(SolidPictures, BallIsRoundAndColoured) {
     EXPECT_EQ(*std::max_element(nothing.values.begin(), nothing.values.end()), 0);
 }
 
+TEST(SolidPictures, SlicesCutWhereTheSolidsAreLarge) {
+    const DyadicGrid<3> grid(5);
+    const auto middle = ball<3>(grid, {0.5, 0.5, 0.5}, 0.2), aside = ball<3>(grid, {0.64, 0.5, 0.5}, 0.2);
+    EXPECT_EQ(slice_position(std::vector{middle}, 0), 0.5);
+    EXPECT_GT(slice_position(std::vector{aside}, 0), 0.54);  // there it has 90 % of its largest cut
+    EXPECT_LT(slice_position(std::vector{aside}, 0), 0.64);
+    EXPECT_EQ(slice_position(std::vector{aside}, 2), 0.5);
+    EXPECT_GT(slice_position(std::vector{aside}, 1, {0, -1, 0, 1, 0, 0, 0, 0, 1}), 0.54);  // x turned into y
+    // Two legs: the plane between them shows nothing.
+    LevelSet<3> legs(grid);
+    for (std::size_t i = 0; i < legs.values.size(); ++i) {
+        const auto x = grid.position(grid.node(i));
+        legs.values[i] = 0.08 - std::max(std::abs(std::abs(x[1] - 0.5) - 0.15), std::abs(x[0] - 0.5));
+    }
+    EXPECT_NEAR(std::abs(slice_position(std::vector{legs}, 1) - 0.5), 0.12, 0.05);
+}
+
+TEST(SolidPictures, SmallSolidsHaveCloserLevelLines) {
+    const LevelSet<3> u = ball<3>(DyadicGrid<3>(6), {0.5, 0.5, 0.5}, 0.1);
+    const auto tones_along_the_middle = [&](double radius) {
+        const PixelImage cut = slice_picture(u, 2, 0.5, 200, nullptr, {}, 1, radius);
+        int changes = 0;
+        for (std::size_t x = 101; x < 200; ++x) {
+            changes += std::abs(static_cast<int>(cut.at(x + 200 * 100)[1]) -
+                                static_cast<int>(cut.at(x - 1 + 200 * 100)[1])) > 4;
+        }
+        return changes;
+    };
+    EXPECT_GE(tones_along_the_middle(0.12), 8);  // at one distance for all it would be four
+}
+
 }  // namespace
 }  // namespace morphodesic::datasets
