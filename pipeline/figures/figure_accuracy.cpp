@@ -63,7 +63,7 @@ Errors balls(Report& report, GeodesicOptions o, int coarsest, int finest) {
         const auto path = compute_discrete_geodesic<Dim>(datasets::ball<Dim>(grid, centre, r0),
                                                          datasets::ball<Dim>(grid, centre, r1), o);
         const double error = path.path_length / exact_length - 1;
-        report.add<Dim>("closed form " + std::to_string(Dim) + "D", "balls 0.20, 0.25", path, exact_length, error);
+        report.add<Dim>("closed form " + std::to_string(Dim) + "D", "balls 0.20 and 0.25", path, exact_length, error);
         errors.computed.emplace_back(o.level, 100 * std::abs(error));
         errors.extrapolated.emplace_back(o.level, 100 * std::abs(path.extrapolated_length / exact_length - 1));
         errors.within_bars = errors.within_bars && std::abs(path.path_length - exact_length) <= path.error;
@@ -128,8 +128,8 @@ std::pair<double, double> moved_shapes(Report& report, const GeodesicOptions& o,
         const std::string name = "A turned by " + rounded(angle, 2);
         const auto to_b = compute_discrete_geodesic<2>(turned, b, o), to_a = compute_discrete_geodesic<2>(turned, a, o);
         const double difference = std::abs(to_b.path_length - still.path_length) / typical;
-        report.add<2>("moved", name + ", B", to_b, still.path_length, difference);
-        report.add<2>("moved", name + ", A", to_a, 0.0, to_a.path_length / typical);
+        report.add<2>("moved", name + " to B", to_b, still.path_length, difference);
+        report.add<2>("moved", name + " to A", to_a, 0.0, to_a.path_length / typical);
         change = std::max(change, difference);
         rest = std::max(rest, to_a.path_length / typical);
     }

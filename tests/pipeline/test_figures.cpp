@@ -95,7 +95,7 @@ TEST_F(Figures, TheAccuracyReportComparesWithClosedForms) {
     }
     const std::string report = start_of(folder_->path() / "docs" / "report.md", 1 << 20);
     EXPECT_NE(report.find("![What path lengths are off by](accuracy.svg)"), std::string::npos);
-    EXPECT_NE(report.find("| closed form 2D | balls 0.20, 0.25 | 5 |"), std::string::npos);
+    EXPECT_NE(report.find("| closed form 2D | balls 0.20 and 0.25 | 5 |"), std::string::npos);
     EXPECT_EQ(report.find("**not met**"), std::string::npos);
     EXPECT_EQ(start_of(folder_->path() / "docs" / "accuracy.svg", 5), "<?xml");
 }
