@@ -63,11 +63,11 @@ std::vector<std::string> RunSettings::problems() const {
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> all{
         {"fast",
-         "level 5, 2 steps: a first look; 0.03 s of a core per 2D pair, distances some 8 % short, extrapolated within "
+         "level 5, 2 steps: a first look; 0.04 s of a core per 2D pair, distances some 8 % short, extrapolated within "
          "2 %",
          5, 2, 1e-2, 3},
         {"standard",
-         "level 6, 4 steps: for studies; 0.17 s of a core per 2D pair, distances some 5 % short, extrapolated within "
+         "level 6, 4 steps: for studies; 0.16 s of a core per 2D pair, distances some 5 % short, extrapolated within "
          "1.5 %",
          6, 4, 3e-3, 4},
         {"fine",
