@@ -174,12 +174,13 @@ Figure figure_accuracy(const FigureOptions& options) {
     const reports::Scale x{4, 7, 80, 420}, y{std::min(0.0, low), high, 270, 30};
     draw_log2_axes(svg, x, y, "grid size h", "error of the length, %",
                    [](int e) { return "1/" + std::to_string(1 << e); });
-    const auto labelled = [&](const Series& series, const std::string& colour, const std::string& name) {
+    const auto labelled = [&](const Series& series, const std::string& colour, const std::string& name, int shift = -8) {
         plot(svg, x, y, series, colour);
-        svg.text(x(series.front().first) + 6, y(series.front().second) - 8, name, 11, "start", colour, true, "#ffffff");
+        svg.text(x(series.front().first) + 6, y(series.front().second) + shift, name, 11, "start", colour, true,
+                 "#ffffff");
     };
     labelled(disks.computed, "#1f4e8c", "disks");
-    labelled(disks.extrapolated, "#7aa0cc", "disks, extrapolated");
+    labelled(disks.extrapolated, "#7aa0cc", "disks, extrapolated", 16);
     labelled(solids.computed, "#c2603a", "balls");
     labelled(solids.extrapolated, "#e0a488", "balls, extrapolated");
     const auto [low_k, high_k] = range_of({ab, xm});
