@@ -174,7 +174,8 @@ Figure figure_accuracy(const FigureOptions& options) {
     const reports::Scale x{4, 7, 80, 420}, y{std::min(0.0, low), high, 270, 30};
     draw_log2_axes(svg, x, y, "grid size h", "error of the length, %",
                    [](int e) { return "1/" + std::to_string(1 << e); });
-    const auto labelled = [&](const Series& series, const std::string& colour, const std::string& name, int shift = -8) {
+    const auto labelled = [&](const Series& series, const std::string& colour, const std::string& name,
+                              int shift = -8) {
         plot(svg, x, y, series, colour);
         svg.text(x(series.front().first) + 6, y(series.front().second) + shift, name, 11, "start", colour, true,
                  "#ffffff");
