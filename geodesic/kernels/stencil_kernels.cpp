@@ -38,6 +38,17 @@ HWY_INLINE void residual_at(D d, const Stencil<Dim>& a, const VectorIn<Dim>& b, 
     }
 }
 
+/// Component c of block_inverse r.
+template <int Dim, class D>
+HWY_INLINE hn::Vec<D> block_inverse_times(D d, const Stencil<Dim>& a, std::ptrdiff_t i, const hn::Vec<D> (&r)[Dim],
+                                          int c) {
+    auto sum = hn::Mul(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, 0)] + i), r[0]);
+    for (int k = 1; k < Dim; ++k) {
+        sum = hn::MulAdd(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, k)] + i), r[k], sum);
+    }
+    return sum;
+}
+
 /// Runs body(tag, i) over the range, full vectors first, then single entries.
 template <class Body>
 HWY_INLINE void for_range(std::size_t count, const Body& body) {
@@ -57,10 +68,7 @@ void JacobiSweep(std::size_t count, const Stencil<Dim>& a, float omega, const Ve
         hn::Vec<decltype(d)> r[Dim];
         residual_at<Dim>(d, a, b, x, i, r);
         for (int c = 0; c < Dim; ++c) {
-            auto sum = hn::Mul(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, 0)] + i), r[0]);
-            for (int k = 1; k < Dim; ++k) {
-                sum = hn::MulAdd(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, k)] + i), r[k], sum);
-            }
+            const auto sum = block_inverse_times<Dim>(d, a, i, r, c);
             hn::StoreU(hn::MulAdd(hn::Set(d, omega), sum, hn::LoadU(d, x[c] + i)), d, out[c] + i);
         }
     });
@@ -73,10 +81,7 @@ void FirstSweep(std::size_t count, const Stencil<Dim>& a, float omega, const Vec
         hn::Vec<decltype(d)> r[Dim];
         for (int c = 0; c < Dim; ++c) r[c] = hn::LoadU(d, b[c] + i);
         for (int c = 0; c < Dim; ++c) {
-            auto sum = hn::Mul(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, 0)] + i), r[0]);
-            for (int k = 1; k < Dim; ++k) {
-                sum = hn::MulAdd(hn::LoadU(d, a.block_inverse[symmetric_entry<Dim>(c, k)] + i), r[k], sum);
-            }
+            const auto sum = block_inverse_times<Dim>(d, a, i, r, c);
             hn::StoreU(hn::Mul(hn::Set(d, omega), sum), d, out[c] + i);
         }
     });

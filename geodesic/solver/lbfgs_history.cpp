@@ -12,15 +12,16 @@ void LbfgsHistory::clear() {
     added_ = false;
 }
 
+std::vector<std::span<const float>> LbfgsHistory::all(std::vector<float> Pair::*vector) const {
+    std::vector<std::span<const float>> views;
+    for (const Pair& pair : pairs_) views.emplace_back(pair.*vector);
+    return views;
+}
+
 void LbfgsHistory::before(std::span<const float> gradient, std::span<float> remainder) {
     const std::size_t count = pairs_.size();
-    std::vector<std::span<const float>> s, y;
-    for (const Pair& pair : pairs_) {
-        s.emplace_back(pair.s);
-        y.emplace_back(pair.y);
-    }
     std::vector<double> slope(count), factor(count);
-    kernels::dots(gradient, s, slope);
+    kernels::dots(gradient, all(&Pair::s), slope);
     for (std::size_t i = 0; i < count; ++i) {
         // s_i . y of the newest pair is the change of s_i . g in the step that made it.
         if (added_ && i + 1 < count) pairs_[i].later.push_back(slope[i] - pairs_[i].slope);
@@ -33,24 +34,19 @@ void LbfgsHistory::before(std::span<const float> gradient, std::span<float> rema
         pairs_[i].alpha = sum / pairs_[i].curvature;
         factor[i] = -pairs_[i].alpha;
     }
-    kernels::combine(remainder, 1.0, gradient, factor, y);
+    kernels::combine(remainder, 1.0, gradient, factor, all(&Pair::y));
 }
 
 void LbfgsHistory::after(std::span<float> direction) const {
     const std::size_t count = pairs_.size();
-    std::vector<std::span<const float>> s, y;
-    for (const Pair& pair : pairs_) {
-        s.emplace_back(pair.s);
-        y.emplace_back(pair.y);
-    }
     std::vector<double> product(count), factor(count);
-    kernels::dots(direction, y, product);
+    kernels::dots(direction, all(&Pair::y), product);
     for (std::size_t i = 0; i < count; ++i) {
         double sum = product[i];
         for (std::size_t j = 0; j < i; ++j) sum -= factor[j] * pairs_[j].later[i - j - 1];
         factor[i] = sum / pairs_[i].curvature - pairs_[i].alpha;
     }
-    kernels::combine(direction, -1.0, direction, factor, s);
+    kernels::combine(direction, -1.0, direction, factor, all(&Pair::s));
 }
 
 void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, std::span<const float> g,

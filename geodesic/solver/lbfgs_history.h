@@ -36,6 +36,8 @@ private:
         double alpha = 0.0;
     };
 
+    [[nodiscard]] std::vector<std::span<const float>> all(std::vector<float> Pair::*vector) const;
+
     std::size_t size_, capacity_;
     std::vector<Pair> pairs_;  // oldest first
     Pair spare_;               // memory of a pair that was dropped

@@ -45,22 +45,31 @@ struct Sampler {
     explicit Sampler(LevelSet<Dim> field) : u(std::move(field)), offsets(q1::corner_offsets(u.grid)) {}
 
     double value(const Vector<Dim>& y) const {
-        Point<Dim> at{};
-        double beyond = 0.0;
-        for (int c = 0; c < Dim; ++c) {
-            const double inside = std::clamp(y(c), 0.0, 1.0);
-            beyond += (y(c) - inside) * (y(c) - inside);
-            at[static_cast<std::size_t>(c)] = inside;
-        }
-        const auto where = q1::locate(u.grid, at);
-        double result = beyond > 0 ? -std::sqrt(beyond) : 0.0;
-        for (int c = 0; c < (1 << Dim); ++c) {
-            result += q1::shape<Dim>(c, where.fraction) * u.values[where.node + offsets[static_cast<std::size_t>(c)]];
-        }
+        const Place at = place_of(y);
+        double result = at.beyond;
+        for (int c = 0; c < (1 << Dim); ++c) result += q1::shape<Dim>(c, at.where.fraction) * corner(at, c);
         return result;
     }
 
     double value_and_slope(const Vector<Dim>& y, Vector<Dim>& slope) const {
+        const Place at = place_of(y);
+        double result = at.beyond;
+        slope.setZero();
+        for (int c = 0; c < (1 << Dim); ++c) {
+            const double v = corner(at, c);
+            result += q1::shape<Dim>(c, at.where.fraction) * v;
+            for (int d = 0; d < Dim; ++d) slope(d) += q1::shape_slope<Dim>(c, at.where.fraction, d) * v;
+        }
+        slope *= u.grid.cells_per_axis();
+        return result;
+    }
+
+private:
+    struct Place {
+        q1::Location<Dim> where;  // nearest point of the cube
+        double beyond;            // minus the distance from it
+    };
+    Place place_of(const Vector<Dim>& y) const {
         Point<Dim> at{};
         double beyond = 0.0;
         for (int c = 0; c < Dim; ++c) {
@@ -68,16 +77,10 @@ struct Sampler {
             beyond += (y(c) - inside) * (y(c) - inside);
             at[static_cast<std::size_t>(c)] = inside;
         }
-        const auto where = q1::locate(u.grid, at);
-        double result = beyond > 0 ? -std::sqrt(beyond) : 0.0;
-        slope.setZero();
-        for (int c = 0; c < (1 << Dim); ++c) {
-            const double v = u.values[where.node + offsets[static_cast<std::size_t>(c)]];
-            result += q1::shape<Dim>(c, where.fraction) * v;
-            for (int d = 0; d < Dim; ++d) slope(d) += q1::shape_slope<Dim>(c, where.fraction, d) * v;
-        }
-        slope *= u.grid.cells_per_axis();
-        return result;
+        return {q1::locate(u.grid, at), beyond > 0 ? -std::sqrt(beyond) : 0.0};
+    }
+    double corner(const Place& at, int c) const {
+        return u.values[at.where.node + offsets[static_cast<std::size_t>(c)]];
     }
 };
 
