@@ -1,8 +1,6 @@
 // The convergence report of the solver: closed forms in 2D and 3D, time steps, moved and reversed pairs.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 #include "datasets/synthetic.h"
 #include "geodesic/solver/rigid_motion.h"
@@ -14,14 +12,6 @@ namespace {
 
 constexpr double r0 = 0.20, r1 = 0.25;
 constexpr const char* font = "DejaVuSans-Bold";
-
-/// Distance of concentric balls, by the motion v = (r'/r) x of constant divergence.
-template <int Dim>
-double closed_form(const GeodesicOptions& o) {
-    if constexpr (Dim == 2) return std::sqrt(std::numbers::pi * (2 * o.lambda + 2 * o.mu)) * (r1 - r0);
-    return std::sqrt(std::numbers::pi * (6 * o.lambda + 4 * o.mu)) * 2.0 / 3.0 *
-           (std::pow(r1, 1.5) - std::pow(r0, 1.5));
-}
 
 struct Report {
     Figure figure;
@@ -55,7 +45,7 @@ template <int Dim>
 Errors balls(Report& report, GeodesicOptions o, int coarsest, int finest) {
     Errors errors;
     o.time_steps = Dim == 2 ? 4 : 2;
-    const double exact_length = closed_form<Dim>(o);
+    const double exact_length = distance_of_balls(Dim, o, r0, r1);
     Point<Dim> centre;
     centre.fill(0.5);
     for (o.level = coarsest; o.level <= finest; ++o.level) {

@@ -101,7 +101,7 @@ Figure figure_disk(const FigureOptions& options) {
     figure.title = "Concentric disks: the closed form";
     const GeodesicOptions base = options.geodesic();
     constexpr double r0 = 0.20, r1 = 0.25;
-    const double exact_length = std::sqrt(std::numbers::pi * (2 * base.lambda + 2 * base.mu)) * std::abs(r1 - r0);
+    const double exact_length = distance_of_balls(2, base, r0, r1);
     figure.numbers.columns = {"level",     "steps_K",     "path_length",   "extrapolated_length",
                               "error_bar", "closed_form", "relative_error"};
     const int finest = options.quick ? 6 : 8;

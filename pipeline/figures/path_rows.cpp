@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "datasets/synthetic.h"
 #include "geodesic/grid/measures.h"
@@ -42,6 +43,12 @@ LevelSet<2> letter_shape(const std::string& character, const std::string& font, 
         shape = place();
     }
     return shape;
+}
+
+double distance_of_balls(int dimension, const GeodesicOptions& o, double r0, double r1) {
+    if (dimension == 2) return std::sqrt(std::numbers::pi * (2 * o.lambda + 2 * o.mu)) * std::abs(r1 - r0);
+    return std::sqrt(std::numbers::pi * (6 * o.lambda + 4 * o.mu)) * 2.0 / 3.0 *
+           std::abs(std::pow(r1, 1.5) - std::pow(r0, 1.5));
 }
 
 void draw_dissipation(reports::Svg& svg, const Row& row, const GeodesicResult<2>& path,

@@ -20,6 +20,10 @@ namespace morphodesic::pipeline {
 [[nodiscard]] LevelSet<2> letter_shape(const std::string& character, const std::string& font,
                                        const GeodesicOptions& options, double area = 0.0);
 
+/// Distance of concentric balls, by the motion v = (r'/r) x of constant divergence: in the plane
+/// sqrt(pi (2 lambda + 2 mu)) |r1 - r0|, in space sqrt(pi (6 lambda + 4 mu)) 2/3 |r1^(3/2) - r0^(3/2)|.
+[[nodiscard]] double distance_of_balls(int dimension, const GeodesicOptions& options, double r0, double r1);
+
 /// Panels side by side, one per shape of a path, in the figure from (x, y) on.
 struct Row {
     double x = 10, y = 10, cell = 100, gap = 4, span = 0.8;
