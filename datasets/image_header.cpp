@@ -66,6 +66,10 @@ ImageHeader tiff(std::string_view bytes) {
         if (tag == 256) header.width = value();
         if (tag == 257) header.height = value();
     }
+    const std::size_t next = directory + (big_tiff ? 8 : 2) + entries * entry_size, size = big_tiff ? 8 : 4;
+    if (entries < 65536 && next <= bytes.size() - size) {
+        header.several = number(bytes, next, static_cast<int>(size), big_endian) != 0;
+    }
     return header;
 }
 
@@ -92,8 +96,8 @@ ImageHeader pnm(std::string_view bytes) {
 ImageHeader webp(std::string_view bytes) {
     const std::string_view chunk = bytes.substr(12, 4);
     if (chunk == "VP8X"sv) {
-        return {ImageFormat::webp, 1.0 + double(number(bytes, 24, 3, false)),
-                1.0 + double(number(bytes, 27, 3, false))};
+        return {ImageFormat::webp, 1.0 + double(number(bytes, 24, 3, false)), 1.0 + double(number(bytes, 27, 3, false)),
+                (number(bytes, 20, 1, false) & 2) != 0};
     }
     if (chunk == "VP8L"sv) {
         const std::uint64_t bits = number(bytes, 21, 4, false);

@@ -12,6 +12,7 @@ enum class ImageFormat { png, jpeg, bmp, tiff, pnm, webp, gif };
 struct ImageHeader {
     ImageFormat format = ImageFormat::png;
     double width = 0.0, height = 0.0;  ///< pixels; as doubles, because a header may lie beyond any integer type
+    bool several = false;              ///< TIFF with more than one page, animated WebP
 };
 
 /// Reads the header of an image from the bytes of its file. The format is told by the content, not by the name.

@@ -114,7 +114,7 @@ PixelImage pixels_of(const std::filesystem::path& file, const cv::Mat& decoded) 
     } else if (mat.depth() != CV_8U) {  // signed or floating point: its own range becomes black to white
         double low = 0.0, high = 0.0;
         cv::Mat flat = mat.reshape(1);
-        cv::patchNaNs(flat, 0.0);
+        if (mat.depth() == CV_32F || mat.depth() == CV_64F) flat.setTo(0.0, flat != flat);  // NaN
         cv::minMaxLoc(flat, &low, &high);
         if (!std::isfinite(low) || !std::isfinite(high))
             throw ReadError(file, "the image has infinite values", "export it with 8 or 16 bits");
@@ -149,6 +149,10 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
     std::string bytes = file_bytes(file, max_megapixels);
     const ImageHeader header = read_image_header(file, bytes, max_megapixels);
     if (header.format == ImageFormat::gif) return read_gif(file, bytes, max_megapixels, notes);
+    if (header.format == ImageFormat::webp && header.several)
+        throw ReadError(file, "this WebP file is an animation", "save the frame that is meant as PNG");
+    if (header.format == ImageFormat::tiff && header.several)
+        notes.emplace_back("The file has several pages: only the first is used.");
     if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes);
     if (header.format == ImageFormat::jpeg) require_complete_jpeg(file, bytes);
     cv::Mat decoded;

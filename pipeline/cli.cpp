@@ -14,6 +14,7 @@
 #include "pipeline/commands/datasets.h"
 #include "pipeline/commands/figures.h"
 #include "pipeline/commands/solid_datasets.h"
+#include "pipeline/standard_streams.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
 #include "pipeline/study_folder.h"
@@ -487,10 +488,8 @@ int parse_and_run(std::vector<std::string> arguments) {
     }
 }
 
-}  // namespace
-
-int run_program(const std::vector<std::string>& arguments) {
-    StopSignals::install();
+/// Exceptions become messages and exit codes.
+int guarded_run(const std::vector<std::string>& arguments) {
     try {
         return parse_and_run(arguments);
     } catch (const StoreError& error) {
@@ -505,11 +504,29 @@ int run_program(const std::vector<std::string>& arguments) {
     } catch (const std::bad_alloc&) {
         std::cerr << "morphodesic: not enough memory; use a lower --level or fewer --threads\n";
         return environment_failed;
+    } catch (const fs::filesystem_error& error) {
+        std::cerr << "morphodesic: " << error.path1().string() << ": " << error.code().message()
+                  << "; check that it is there, and its permissions and those of its folders\n";
+        return environment_failed;
     } catch (const std::exception& error) {
         std::cerr << "morphodesic: " << error.what() << "\n";
         return environment_failed;
     }
     return bad_usage;
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& arguments) {
+    open_standard_streams();
+    StopSignals::install();
+    const int code = guarded_run(arguments);
+    if ((code == all_done || code == some_failed) && output_lost()) {
+        std::cerr << "morphodesic: standard output cannot be written; nothing that was computed is lost: free some "
+                     "space, then give the same command again\n";
+        return environment_failed;
+    }
+    return code;
 }
 
 }  // namespace morphodesic::pipeline

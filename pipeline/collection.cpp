@@ -108,6 +108,11 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.placing.clear();
 }
 
+/// What a reader did not expect concerns one file; the others go on.
+std::string unforeseen(const std::string& path, const std::exception& error) {
+    return path + ": cannot be read (" + error.what() + "); open and save it again in another format";
+}
+
 constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // some sixty scans rebuilt on a grid
 
 /// @param kept_bytes  of the solids that were kept so far
@@ -124,6 +129,8 @@ void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std
         entry.row.problem = error.what();
     } catch (const std::bad_alloc&) {
         entry.row.problem = entry.row.path + ": not enough memory to read it; use a smaller file";
+    } catch (const std::exception& error) {
+        entry.row.problem = unforeseen(entry.row.path, error);
     }
 }
 
@@ -307,6 +314,8 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         result.row.problem = error.what();
     } catch (const std::bad_alloc&) {
         result.row.problem = entry.row.path + ": not enough memory; use a smaller file or a lower --level";
+    } catch (const std::exception& error) {
+        result.row.problem = unforeseen(entry.row.path, error);
     }
     if (!result.row.problem.empty()) result.row.content_digest.clear();
     return result;

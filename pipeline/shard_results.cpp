@@ -4,11 +4,12 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <string_view>
 
 #include "pipeline/run_settings.h"
 
@@ -19,6 +20,17 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int results_version = 1;
+/// Longer than any line that a shard writes (a few kB): what does not end within it is damage, and is not loaded.
+constexpr std::size_t longest_line = std::size_t{16} << 20;
+
+/// The bytes behind the last line end of a file: those of a line that was not finished.
+std::size_t unfinished_bytes(std::ifstream& in, std::size_t size) {
+    std::string tail(std::min(size, longest_line), '\0');
+    in.seekg(static_cast<std::streamoff>(size - tail.size()));
+    in.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+    const std::size_t end = tail.rfind('\n');
+    return end == std::string::npos ? tail.size() : tail.size() - end - 1;
+}
 
 std::string header(const std::string& settings_hash) {
     return json{{"format", "morphodesic shard"},
@@ -32,16 +44,25 @@ std::string header(const std::string& settings_hash) {
 
 ShardResults read_shard_results(const fs::path& file) {
     ShardResults results;
-    std::ifstream in(file, std::ios::binary);
-    if (!in) {
-        results.problem = file.string() + ": cannot be read; check its permissions";
+    if (fs::is_directory(file)) {
+        results.problem = file.string() + ": is a folder, not the result file of a shard";
         return results;
     }
-    std::string line;
-    if (!std::getline(in, line)) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) {
+        results.problem = file.string() + ": cannot be read; check that it is there, and its permissions";
+        return results;
+    }
+    if (in.peek() == std::ifstream::traits_type::eof()) {
         results.problem = file.string() + ": is empty; the shard has not begun, or its start was lost: run it again";
         return results;
     }
+    std::string buffer(longest_line, '\0');
+    const auto next_line = [&]() -> bool {
+        return static_cast<bool>(in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size())));
+    };
+    std::string_view line;
+    if (next_line()) line = buffer.data();
     const json head = json::parse(line, nullptr, false);
     if (!head.is_object() || head.value("format", "") != "morphodesic shard") {
         results.problem = file.string() + ": is not the result file of a shard";
@@ -55,14 +76,15 @@ ShardResults read_shard_results(const fs::path& file) {
                           "those of this one; compute the shard again with the same program as the study";
         return results;
     }
-    while (std::getline(in, line)) {
-        if (in.eof()) break;  // without its line end: was being written when the shard was stopped
-        if (auto row = geodesic_from_line(line); row && row->settings_hash == results.settings_hash) {
+    while (next_line()) {
+        if (in.eof()) return results;  // without its line end: was being written when the shard was stopped
+        if (auto row = geodesic_from_line(buffer.data()); row && row->settings_hash == results.settings_hash) {
             results.rows.push_back(std::move(*row));
         } else {
             ++results.damaged;
         }
     }
+    if (!in.eof()) ++results.damaged;  // a line without an end; what may come behind it is not looked for
     return results;
 }
 
@@ -76,14 +98,21 @@ ShardWriter::ShardWriter(fs::path file, const std::string& settings_hash) : file
         ::close(descriptor_);
         throw StoreError(file_, "another process computes this shard; wait until it is done");
     }
-    std::ifstream in(file_, std::ios::binary);
-    std::stringstream bytes;
-    bytes << in.rdbuf();
-    const std::string text = bytes.str();
-    const std::size_t end = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
-    if (end != text.size() && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
+    std::ifstream in(file_, std::ios::binary | std::ios::ate);
+    const auto size = static_cast<std::size_t>(std::max<std::streamoff>(in.tellg(), 0));
+    const std::size_t unfinished = unfinished_bytes(in, size);
+    if (unfinished == longest_line) {
         ::close(descriptor_);
-        throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno));
+        throw StoreError(file_,
+                         "cannot be continued: its last line has no end, the file is damaged; move it away, or "
+                         "choose another file with --out");
+    }
+    const std::size_t end = size - unfinished;
+    if (unfinished > 0 && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
+        const std::string reason = std::strerror(errno);
+        ::close(descriptor_);
+        throw StoreError(file_,
+                         "cannot be written: " + reason + "; check its permissions, or choose another with --out");
     }
     if (end == 0) {
         write(header(settings_hash));

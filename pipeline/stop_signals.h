@@ -2,8 +2,8 @@
 
 namespace morphodesic::pipeline {
 
-/// SIGINT (Ctrl-C) and SIGTERM ask the program to stop in good order; the second one ends it at once. Either way every
-/// finished pair is in the store.
+/// SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is gone) ask the program to stop in good order; the second one
+/// ends it at once. Either way every finished pair is in the store.
 class StopSignals {
 public:
     /// Catches the signals from now on. Writing to a closed pipe or beyond a file size limit becomes an ordinary error.

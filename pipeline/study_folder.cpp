@@ -20,6 +20,11 @@ std::string remedy(int error) {
         return "cannot be written: " + what +
                "; nothing that was computed is lost: free some space, then give the same command again";
     }
+    if (error == EISDIR || error == ENOTDIR || error == EEXIST || error == ENOTEMPTY) {
+        return "cannot be written: " + what +
+               "; a folder stands where a file must be, or a file where a folder must be: move it away, then give the "
+               "same command again";
+    }
     return "cannot be written: " + what + "; check its permissions, or choose another study folder with --out";
 }
 

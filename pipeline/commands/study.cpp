@@ -137,6 +137,21 @@ int stopped(const StudyOptions& options, const PairGraphSummary& done) {
     return 128 + StopSignals::caught();
 }
 
+/// The pictures of a study must not be read as the shapes of one.
+void refuse_results_as_shapes(const StudyOptions& options) {
+    std::error_code error;
+    if (fs::equivalent(options.collection, options.study, error)) {
+        throw std::invalid_argument(options.collection.string() +
+                                    ": is the folder of the shapes; the next run would read the pictures of the study "
+                                    "as shapes. Choose another folder with --out, it may be inside this one");
+    }
+    if (fs::exists(StudyFolder(options.collection).store(), error)) {
+        throw std::invalid_argument(options.collection.string() +
+                                    ": is a study, not a folder of shapes; name the folder it was made from, or renew "
+                                    "its report with: morphodesic report STUDY");
+    }
+}
+
 int execute(const StudyOptions& options, bool from_files, bool solve, bool with_report) {
     const double begin = now();
     if (from_files && !fs::is_directory(options.collection)) {
@@ -145,6 +160,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                                          ? ": is a file; name the folder that holds the shapes"
                                          : ": there is no such folder; make one with: morphodesic datasets letters"));
     }
+    if (from_files) refuse_results_as_shapes(options);
     Workplace at(options, from_files);
     Collection collection;
     if (from_files) {

@@ -62,6 +62,8 @@ TEST(ImageDamage, EmptyAndForeignFilesAreRefused) {
     EXPECT_THAT(complaint(folder.write("text.png", "not an image at all, really")), HasSubstr("not an image"));
     EXPECT_THAT(complaint(folder.write("odd \"name\"\n \xc3\xa4.png", "x")), HasSubstr("not an image"));
     EXPECT_THAT(complaint(folder.write("only magic.gif", "GIF89a")), HasSubstr("header"));
+    const std::string moving = "RIFF"s + le32(22) + "WEBPVP8X" + le32(10) + "\x02\0\0\0\x3f\0\0\x3f\0\0"s;
+    EXPECT_THAT(complaint(folder.write("moving.webp", moving)), HasSubstr("animation"));
 }
 
 TEST(ImageDamage, BombsAndLyingHeadersAreRefusedBeforeMemoryIsAskedFor) {

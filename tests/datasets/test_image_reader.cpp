@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
@@ -14,6 +15,7 @@ namespace morphodesic::datasets {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using tests::disk_error;
@@ -105,6 +107,9 @@ TEST(ImageReader, SixteenBitsColourAndPaletteAreUnderstood) {
     EXPECT_LT(disk_error(read(save(folder / "full.png", toned(disk, 65535, 0, CV_16U))), 47.3, 50.6, 25.4), 0.1);
     EXPECT_LT(disk_error(read(save(folder / "12bit.tif", toned(disk, 200, 4000, CV_16U))), 47.3, 50.6, 25.4), 0.1);
     EXPECT_LT(disk_error(read(save(folder / "float.tif", toned(disk, -3.0, 7.5, CV_32F))), 47.3, 50.6, 25.4), 0.1);
+    cv::Mat with_gap = toned(disk, -3.0, 7.5, CV_64F);
+    with_gap.at<double>(1, 1) = std::numeric_limits<double>::quiet_NaN();  // as GIS programs mark pixels without data
+    EXPECT_LT(disk_error(read(save(folder / "double.tif", with_gap)), 47.3, 50.6, 25.4), 0.1);
     // Equal brightness, different colours: only a distance of colours sees the object.
     std::vector<cv::Mat> channels = {toned(disk, 20, 20), toned(disk, 70, 150), toned(disk, 230, 73)};
     cv::Mat colour;
@@ -113,6 +118,16 @@ TEST(ImageReader, SixteenBitsColourAndPaletteAreUnderstood) {
     // One bit per pixel, which PNG stores as palette indices or bits.
     const cv::Mat bits = toned(disk_picture(96, 47.3, 50.6, 25.4, 1), 255, 0);
     EXPECT_LT(disk_error(read(save(folder / "bits.png", bits, {cv::IMWRITE_PNG_BILEVEL, 1})), 47.3, 50.6, 25.4), 0.5);
+}
+
+TEST(ImageReader, OfSeveralPagesTheFirstIsReadAndThatIsSaid) {
+    const tests::TemporaryFolder folder;
+    const cv::Mat first = toned(disk_picture(96, 47.3, 50.6, 25.4), 255, 0);
+    const cv::Mat second = toned(disk_picture(96, 47.3, 50.6, 12.0), 255, 0);
+    ASSERT_TRUE(cv::imwrite((folder / "pages.tif").string(), std::vector<cv::Mat>{first, second}));
+    const RawShape<2> raw = read(folder / "pages.tif");
+    EXPECT_LT(disk_error(raw, 47.3, 50.6, 25.4), 0.1);
+    EXPECT_THAT(raw.notes, ElementsAre(HasSubstr("only the first")));
 }
 
 TEST(ImageReader, AnObjectOfSeveralColoursIsOneShape) {

@@ -298,6 +298,24 @@ TEST_F(Shards, GoOnAfterAStopAndLeaveDamageOut) {
     expect_the_bytes_of_one_process();
 }
 
+TEST_F(Shards, AFileOfAnySizeWithoutLineEndsIsDamageAndDoesNotFillTheMemory) {
+    EXPECT_EQ(plan(1, "list")["pairs"], 15);
+    const fs::path file = folder / "result.jsonl";
+    const std::vector<std::string> command{"shard", study(), "1/1", "--out", file.string(), "--quiet"};
+    ASSERT_EQ(morphodesic(command).code, 0);
+    fs::resize_file(file, std::uintmax_t{1} << 40);  // holes, as after a crash of some file systems; 1 TB
+    const Outcome merged = morphodesic({"merge", study(), file.string(), "--json", "--quiet"});
+    EXPECT_EQ(json::parse(merged.out)["pairs_added"], 15);  // what is sound is kept
+    EXPECT_EQ(merged.code, 1);
+    EXPECT_THAT(merged.err, HasSubstr("damaged"));
+    const Outcome again = morphodesic(command);
+    EXPECT_EQ(again.code, 3);
+    EXPECT_THAT(again.err, HasSubstr("move it away"));
+    fs::remove(file);
+    fs::create_directory(file);
+    EXPECT_THAT(morphodesic({"merge", study(), file.string()}).out, HasSubstr("is a folder"));
+}
+
 TEST_F(Shards, RefuseWhatDoesNotBelongToTheStudy) {
     ASSERT_EQ(plan(2, "list")["shards"], 2);
     const std::string file = (folder / "result.jsonl").string();
