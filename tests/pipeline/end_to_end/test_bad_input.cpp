@@ -54,7 +54,8 @@ void expect_left_out(const TemporaryFolder& folder, const fs::path& collection,
         EXPECT_EQ(failure["b"], "") << failure;  // a file, not a pair
         reasons.push_back(failure["reason"].get<std::string>());
     }
-    for (const auto& [name, words] : expected) {
+    for (const auto& [name_of_file, words] : expected) {
+        const std::string& name = name_of_file;  // clang 14 lets no lambda hold a structured binding
         const auto said = std::find_if(reasons.begin(), reasons.end(), [&](const std::string& reason) {
             return reason.find("/" + name + ":") != std::string::npos;
         });
