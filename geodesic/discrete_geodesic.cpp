@@ -29,7 +29,8 @@ constexpr int many_steps = 8;
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
 constexpr double start_tolerance = 5e-3, search_tolerance = 2e-2;  // of the energy, on the start level and above it
-constexpr double smooth_tolerance = 1e-2;  // of the energy with the wide rim, before the narrow one takes over
+// Of the energy with the wide rim: what comes after moves the path by more than the last iterations there would.
+constexpr double wide_rim_tolerance = 1e-2;
 
 /// Up to this level starts compete. Above, their order hardly changes and each costs much.
 template <int Dim>
@@ -106,10 +107,10 @@ private:
     /// The shapes between are renewed from the two ends where that lowers the energy.
     static void adopt_transported_shapes(PathState<Dim>& path, PathEnergy<Dim>& energy) {
         if (path.layout.time_steps == 1) return;
-        const double before = energy.evaluate(path.x, {}).total;
+        const double before = energy.evaluate_single(path.x, {}).total;
         std::vector<double> old(path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)), path.x.end());
         transport_shapes(path, energy.first(), energy.last(), energy.eps());
-        if (energy.evaluate(path.x, {}).total < before) return;
+        if (energy.evaluate_single(path.x, {}).total < before) return;
         std::copy(old.begin(), old.end(), path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)));
     }
 
@@ -146,7 +147,7 @@ private:
 
     /// Rim of all but the last solve.
     [[nodiscard]] double wide_rim() const { return std::max(2.0 * options_.rim_width, search_rim); }
-    [[nodiscard]] double last_wide_tolerance() const { return std::max(options_.tolerance, smooth_tolerance); }
+    [[nodiscard]] double wide_tolerance() const { return std::max(options_.tolerance, wide_rim_tolerance); }
 
     /// K -> 2 K on the level of the path.
     void double_steps(Start<Dim>& start, double tolerance) {
@@ -206,7 +207,7 @@ private:
     /// Many short steps are coupled stiffly; they start from few long ones that have converged.
     void double_steps_up_to(Start<Dim>& start, int steps) {
         while (start.path.layout.time_steps < std::min(steps, options_.time_steps)) {
-            double_steps(start, options_.tolerance);
+            double_steps(start, wide_tolerance());
         }
     }
 
@@ -215,13 +216,13 @@ private:
     /// @return length with the wide rim
     double finish(Start<Dim>& best) {
         int level = best.path.layout.grid.level();
-        solve(best, 0, wide_rim(), options_.tolerance);
+        solve(best, 0, wide_rim(), wide_tolerance());
         double_steps_up_to(best, settled_steps);
         for (; level < options_.level; ++level) {
             if (level + 1 == options_.level) double_steps_up_to(best, options_.time_steps);
             int folds = 0;
             best.path = prolong_in_space(best.path, folds);
-            solve(best, folds, wide_rim(), level + 1 < options_.level ? options_.tolerance : last_wide_tolerance());
+            solve(best, folds, wide_rim(), wide_tolerance());
         }
         double_steps_up_to(best, options_.time_steps);
         const double wide = best.terms.path_length();
