@@ -108,9 +108,19 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.placing.clear();
 }
 
-/// What a reader did not expect concerns one file; the others go on.
-std::string unforeseen(const std::string& path, const std::exception& error) {
-    return path + ": cannot be read (" + error.what() + "); open and save it again in another format";
+/// Why the file is left out, from the exception that is being handled. What a reader did not expect, too, concerns one
+/// file; the others go on.
+/// @param less_memory  what to do where the memory did not suffice
+std::string problem_of(const std::string& path, const char* less_memory) {
+    try {
+        throw;
+    } catch (const datasets::ReadError& error) {
+        return error.what();
+    } catch (const std::bad_alloc&) {
+        return path + ": not enough memory" + less_memory;
+    } catch (const std::exception& error) {
+        return path + ": cannot be read (" + error.what() + "); open and save it again in another format";
+    }
 }
 
 constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // some sixty scans rebuilt on a grid
@@ -125,12 +135,8 @@ void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std
             if (kept_bytes.fetch_add(raw.bytes) + raw.bytes > most_kept_bytes) return;
             entry.measured = std::make_shared<std::optional<datasets::RawShape<3>>>(std::move(raw));
         }
-    } catch (const datasets::ReadError& error) {
-        entry.row.problem = error.what();
-    } catch (const std::bad_alloc&) {
-        entry.row.problem = entry.row.path + ": not enough memory to read it; use a smaller file";
-    } catch (const std::exception& error) {
-        entry.row.problem = unforeseen(entry.row.path, error);
+    } catch (const std::exception&) {
+        entry.row.problem = problem_of(entry.row.path, " to read it; use a smaller file");
     }
 }
 
@@ -310,12 +316,8 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         result.row.scale = shape.scale;
         result.row.notes = shape.notes;
         take(std::move(shape.level_set), std::move(shape.occlusion_mask));
-    } catch (const datasets::ReadError& error) {
-        result.row.problem = error.what();
-    } catch (const std::bad_alloc&) {
-        result.row.problem = entry.row.path + ": not enough memory; use a smaller file or a lower --level";
-    } catch (const std::exception& error) {
-        result.row.problem = unforeseen(entry.row.path, error);
+    } catch (const std::exception&) {
+        result.row.problem = problem_of(entry.row.path, "; use a smaller file or a lower --level");
     }
     if (!result.row.problem.empty()) result.row.content_digest.clear();
     return result;

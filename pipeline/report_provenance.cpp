@@ -65,7 +65,8 @@ std::vector<reports::Link> links(const reports::ReportModel& model) {
     all.push_back({"linkage.csv", "linkage.csv", "the dendrogram, rows as in SciPy"});
     all.push_back({"embedding.csv", "embedding.csv", "coordinates of the maps"});
     if (!model.placed.empty()) all.push_back({"placed.csv", "placed.csv", "further shapes placed in the maps"});
-    all.push_back({"accuracy.csv", "accuracy.csv", "how well the distances know the classes; no rows with fewer than two classes"});
+    all.push_back({"accuracy.csv", "accuracy.csv",
+                   "how well the distances know the classes; no rows with fewer than two classes"});
     all.push_back({"report.json", "report.json", "everything in this report but the pictures"});
     all.push_back({"figures/", "figures", "every figure as SVG, PDF and PNG"});
     if (!given) all.push_back({"study.sqlite", "study.sqlite", "the store: every result with its settings"});

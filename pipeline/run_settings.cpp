@@ -72,8 +72,7 @@ const std::vector<Preset>& presets() {
          6, 4, 2e-3, 4},
         {"fine",
          "level 7, 8 steps: for final numbers; fifteen times the cost of standard, some 2.5 % short, extrapolated "
-         "within "
-         "0.5 %",
+         "within 0.5 %",
          7, 8, 1e-3, 6},
     };
     return all;

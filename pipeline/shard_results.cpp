@@ -58,11 +58,13 @@ ShardResults read_shard_results(const fs::path& file) {
         return results;
     }
     std::string buffer(longest_line, '\0');
-    const auto next_line = [&]() -> bool {
-        return static_cast<bool>(in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size())));
-    };
     std::string_view line;
-    if (next_line()) line = buffer.data();
+    const auto next_line = [&]() -> bool {
+        if (!in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) return false;
+        line = {buffer.data(), static_cast<std::size_t>(in.gcount()) - (in.eof() ? 0 : 1)};
+        return true;
+    };
+    next_line();
     const json head = json::parse(line, nullptr, false);
     if (!head.is_object() || head.value("format", "") != "morphodesic shard") {
         results.problem = file.string() + ": is not the result file of a shard";
@@ -78,7 +80,9 @@ ShardResults read_shard_results(const fs::path& file) {
     }
     while (next_line()) {
         if (in.eof()) return results;  // without its line end: was being written when the shard was stopped
-        if (auto row = geodesic_from_line(buffer.data()); row && row->settings_hash == results.settings_hash) {
+        const bool text = line.find('\0') == line.npos;  // the JSON reader would stop at the zero and be content
+        if (auto row = geodesic_from_line(std::string(line));
+            text && row && row->settings_hash == results.settings_hash) {
             results.rows.push_back(std::move(*row));
         } else {
             ++results.damaged;

@@ -298,6 +298,17 @@ TEST_F(Shards, GoOnAfterAStopAndLeaveDamageOut) {
     expect_the_bytes_of_one_process();
 }
 
+TEST_F(Shards, ALineWithAByteOfZeroInItIsDamageAsAWhole) {
+    EXPECT_EQ(plan(1, "list")["pairs"], 15);
+    const fs::path file = folder / "result.jsonl";
+    ASSERT_EQ(morphodesic({"shard", study(), "1/1", "--out", file.string(), "--quiet"}).code, 0);
+    const std::string sound = read_file(file);
+    write_file(file, sound.substr(0, sound.size() - 1) + std::string(1, '\0') + "\n");
+    const Outcome merged = morphodesic({"merge", study(), file.string(), "--json", "--quiet"});
+    EXPECT_EQ(json::parse(merged.out)["pairs_added"], 14);
+    EXPECT_EQ(merged.code, 1);
+}
+
 TEST_F(Shards, AFileOfAnySizeWithoutLineEndsIsDamageAndDoesNotFillTheMemory) {
     EXPECT_EQ(plan(1, "list")["pairs"], 15);
     const fs::path file = folder / "result.jsonl";
