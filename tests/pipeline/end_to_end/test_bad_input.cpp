@@ -29,9 +29,18 @@ std::string pgm(int width, int height, const std::string& pixels) {
     return "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" + pixels;
 }
 
+#if defined(__has_feature)
+constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+constexpr bool sanitized = false;
+#endif
+
 /// The program as a user whom permissions bind: root reads and writes everything.
 Outcome as_ordinary_user(const std::vector<std::string>& arguments, const fs::path& owned) {
-    std::string line = "ulimit -v 4000000; ";
+    // Sanitizers reserve most of the address space; they have a limit of their own.
+    std::string line = sanitized ? "export ASAN_OPTIONS=\"$ASAN_OPTIONS:hard_rss_limit_mb=4000\" "
+                                   "TSAN_OPTIONS=\"$TSAN_OPTIONS:hard_rss_limit_mb=4000\"; "
+                                 : "ulimit -v 4000000; ";
     if (::geteuid() == 0) {
         line += "chown -R 65534:65534 '" + owned.string() + "'; chmod 755 '" + owned.string() + "'; exec setpriv " +
                 "--reuid 65534 --regid 65534 --clear-groups \"$MORPHODESIC\"";
