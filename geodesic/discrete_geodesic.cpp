@@ -29,8 +29,9 @@ constexpr int many_steps = 8;
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
 constexpr double start_tolerance = 5e-3, search_tolerance = 2e-2;  // of the energy, on the start level and above it
-// Of the energy with the wide rim: what comes after moves the path by more than the last iterations there would.
-constexpr double wide_rim_tolerance = 1e-2;
+// The tolerance with the wide rim, in units of the one asked for: what comes after moves the path by more than the last
+// iterations there would. No more than so much of the energy.
+constexpr double wide_rim_share = 5.0, wide_rim_tolerance = 1e-2;
 
 /// Up to this level starts compete. Above, their order hardly changes and each costs much.
 template <int Dim>
@@ -147,7 +148,9 @@ private:
 
     /// Rim of all but the last solve.
     [[nodiscard]] double wide_rim() const { return std::max(2.0 * options_.rim_width, search_rim); }
-    [[nodiscard]] double wide_tolerance() const { return std::max(options_.tolerance, wide_rim_tolerance); }
+    [[nodiscard]] double wide_tolerance() const {
+        return std::max(options_.tolerance, std::min(wide_rim_share * options_.tolerance, wide_rim_tolerance));
+    }
 
     /// K -> 2 K on the level of the path.
     void double_steps(Start<Dim>& start, double tolerance) {

@@ -16,6 +16,7 @@ Figure figure_convergence(const FigureOptions& options) {
         "study",       "level",  "steps_K", "eta", "path_length", "error_bar", "extrapolated_length",
         "path_energy", "seconds"};
     GeodesicOptions settings = options.geodesic();
+    if (!options.quick) settings.tolerance = 1e-4;  // the model is looked at, not where the minimiser stops
     const int level = options.quick ? 5 : 6;
     const int most_steps = options.quick ? 8 : 16, finest = options.quick ? 6 : 7;
     GeodesicOptions fine = settings;
