@@ -30,14 +30,16 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
     constexpr double history = 4;
     // The path and the next one; the path, two gradients and the direction in single precision; the history.
     const double path = fields * (2 * sizeof(double) + (4 + 2 * history) * sizeof(float));
-    // Multigrid: diagonal, mass and block inverse (symmetric matrices), edges, three vectors.
+    // Multigrid: diagonal, mass and block inverse (symmetric matrices), edges.
     const double matrix = dimension * (dimension + 1) / 2.0;
-    const double cycles = time_steps * (1 + 2 * matrix + 4 * dimension) * coarser + (time_steps - 1);
+    const double cycles = time_steps * (1 + 2 * matrix + dimension) * coarser + (time_steps - 1);
     // Trajectories: derivative of the map, place in the coarse grid, gradient of the level sets, their unit.
     const double trajectories = time_steps * (dimension * dimension + 2 * dimension + 1) + (time_steps - 1);
-    // While they are assembled: origins, gradients, weights and masses of the shapes; those of deformations one by one.
-    const double assembly = time_steps * (2.0 * dimension + 3) + matrix;
-    const double preconditioner = sizeof(float) * (cycles + trajectories + assembly);
+    // While they are assembled: origins, gradients, weights and masses of the shapes. While they are applied: three
+    // vectors per V-cycle, which in 3D are freed before.
+    const double assembly = time_steps * (2.0 * dimension + 3), vectors = time_steps * 3 * dimension * coarser;
+    const double for_a_time = dimension == 3 ? std::max(assembly, vectors) : assembly + vectors;
+    const double preconditioner = sizeof(float) * (cycles + trajectories + for_a_time);
     const double ends = 4 * sizeof(double);
     return static_cast<std::size_t>(1.1 * n * (path + preconditioner + ends));
 }

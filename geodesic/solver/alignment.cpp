@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
+#include "geodesic/kernels/heaviside_kernel.h"
 #include "geodesic/solver/small_rotation.h"
 
 namespace morphodesic {
@@ -76,7 +78,7 @@ public:
         : a_(restricted(a, level)), eps_(a_.grid.spacing()) {
         const auto coarse = restricted(b, level);
         target_.resize(coarse.values.size());
-        for (std::size_t i = 0; i < target_.size(); ++i) target_[i] = smooth_heaviside(coarse.values[i], eps_);
+        kernels::smooth_heaviside(coarse.values, eps_, target_);
     }
 
     double evaluate(const Motion<Dim>& m, Eigen::VectorXd* gradient, Normal* normal, bool rotate) const {
@@ -86,43 +88,60 @@ public:
         const double volume = std::pow(a_.grid.spacing(), Dim), inverse_h = a_.grid.cells_per_axis();
         const auto offsets = q1::corner_offsets(a_.grid);
         double sum = 0.0;
-        if (gradient) {
-            gradient->setZero(unknowns);
-            normal->setZero(unknowns, unknowns);
+        Eigen::Matrix<double, unknowns, 1> forces = Eigen::Matrix<double, unknowns, 1>::Zero();
+        Eigen::Matrix<double, unknowns, unknowns> products = Eigen::Matrix<double, unknowns, unknowns>::Zero();
+        // Row by row, so that H_eps is taken of many values at once.
+        const auto row_nodes = static_cast<std::size_t>(a_.grid.nodes_per_axis());
+        std::vector<double> u(row_nodes), inside(row_nodes);
+        std::vector<Vector<Dim>> slopes(gradient ? row_nodes : 0);
+        for (std::size_t first = 0; first < target_.size(); first += row_nodes) {
+            const Vector<Dim> x0 = as_vector<Dim>(a_.grid.position(a_.grid.node(first))) - centre - m.translation;
+            const Vector<Dim> y0 = back * x0 + centre, along = back.col(0) * a_.grid.spacing();
+            for (std::size_t i = 0; i < row_nodes; ++i) {
+                const Vector<Dim> y = y0 + static_cast<double>(i) * along;
+                Point<Dim> at{};
+                double beyond = 0.0;
+                for (int c = 0; c < Dim; ++c) {
+                    at[static_cast<std::size_t>(c)] = y(c);
+                    const double over = y(c) - std::clamp(y(c), 0.0, 1.0);
+                    beyond += over * over;
+                }
+                const auto where = q1::locate(a_.grid, at);
+                u[i] = beyond > 0.0 ? -std::sqrt(beyond) : 0.0;
+                Vector<Dim> slope = Vector<Dim>::Zero();
+                for (int c = 0; c < (1 << Dim); ++c) {
+                    const double v = a_.values[where.node + offsets[static_cast<std::size_t>(c)]];
+                    u[i] += q1::shape<Dim>(c, where.fraction) * v;
+                    if (!gradient) continue;
+                    for (int d = 0; d < Dim; ++d)
+                        slope(d) += q1::shape_slope<Dim>(c, where.fraction, d) * v * inverse_h;
+                }
+                if (gradient) slopes[i] = slope;
+            }
+            kernels::smooth_heaviside(u, eps_, inside);
+            for (std::size_t i = 0; i < row_nodes; ++i) {
+                const double r = inside[i] - target_[first + i];
+                sum += volume * r * r;
+                if (!gradient) continue;
+                // y depends on a further small rotation exp(w) and translation t as back (exp(-w) z - t),
+                // z = x - c - t0.
+                const Vector<Dim> force = m.rotation * slopes[i] * smooth_delta(u[i], eps_);
+                Vector<Dim> z = x0;
+                z(0) += static_cast<double>(i) * a_.grid.spacing();
+                Eigen::Matrix<double, unknowns, 1> row;
+                if constexpr (Dim == 2) {
+                    row(0) = rotate ? -(force(1) * z(0) - force(0) * z(1)) : 0.0;
+                } else {
+                    row.template head<3>() = rotate ? Vector<3>(-z.cross(force)) : Vector<3>(Vector<3>::Zero());
+                }
+                row.template tail<Dim>() = -force;
+                forces += 2 * volume * r * row;
+                products += 2 * volume * row * row.transpose();
+            }
         }
-        for (std::size_t i = 0; i < target_.size(); ++i) {
-            const Vector<Dim> x = as_vector<Dim>(a_.grid.position(a_.grid.node(i)));
-            const Vector<Dim> y = back * (x - centre - m.translation) + centre;
-            Point<Dim> at{};
-            double beyond = 0.0;
-            for (int c = 0; c < Dim; ++c) {
-                at[static_cast<std::size_t>(c)] = y(c);
-                const double over = y(c) - std::clamp(y(c), 0.0, 1.0);
-                beyond += over * over;
-            }
-            const auto where = q1::locate(a_.grid, at);
-            double u = -std::sqrt(beyond);
-            Vector<Dim> slope = Vector<Dim>::Zero();
-            for (int c = 0; c < (1 << Dim); ++c) {
-                const double v = a_.values[where.node + offsets[static_cast<std::size_t>(c)]];
-                u += q1::shape<Dim>(c, where.fraction) * v;
-                for (int d = 0; d < Dim; ++d) slope(d) += q1::shape_slope<Dim>(c, where.fraction, d) * v * inverse_h;
-            }
-            const double r = smooth_heaviside(u, eps_) - target_[i];
-            sum += volume * r * r;
-            if (!gradient) continue;
-            // y depends on a further small rotation exp(w) and translation t as back (exp(-w) z - t), z = x - c - t0.
-            const Vector<Dim> force = m.rotation * slope * smooth_delta(u, eps_);
-            const Vector<Dim> z = x - centre - m.translation;
-            Eigen::Matrix<double, unknowns, 1> row;
-            if constexpr (Dim == 2) {
-                row(0) = rotate ? -(force(1) * z(0) - force(0) * z(1)) : 0.0;
-            } else {
-                row.template head<3>() = rotate ? Vector<3>(-z.cross(force)) : Vector<3>(Vector<3>::Zero());
-            }
-            row.template tail<Dim>() = -force;
-            *gradient += 2 * volume * r * row;
-            *normal += 2 * volume * row * row.transpose();
+        if (gradient) {
+            *gradient = forces;
+            *normal = products;
         }
         return sum;
     }
@@ -140,11 +159,15 @@ public:
             Motion<Dim> trial = m;
             if (rotate) trial.rotation = small_rotation<Dim>(change) * m.rotation;
             trial.translation = m.translation + change.template tail<Dim>();
-            const double next = evaluate(trial, nullptr, nullptr, rotate);
+            Eigen::VectorXd next_gradient;
+            Normal next_normal;
+            const double next = evaluate(trial, &next_gradient, &next_normal, rotate);
             if (next < value) {
                 const bool small = value - next < 1e-5 * value || change.norm() < 1e-7;
                 m = trial;
-                value = evaluate(m, &gradient, &normal, rotate);
+                value = next;
+                gradient.swap(next_gradient);
+                normal.swap(next_normal);
                 damping = std::max(damping * 0.2, 1e-9);
                 if (small) break;
             } else {

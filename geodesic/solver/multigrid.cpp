@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "geodesic/grid/transfer.h"
 
@@ -15,6 +16,12 @@ namespace {
 constexpr int sweeps = 2;  // before and after the coarse correction
 constexpr float omega = 0.8F;
 constexpr int coarsest_level = 2, coarsest_sweeps = 12;
+
+/// Entries before and after the nodes of a field, so that neighbours of boundary nodes can be read: one row or plane.
+template <int Dim>
+std::size_t padding_of(const DyadicGrid<Dim>& grid) {
+    return grid.node_count() / static_cast<std::size_t>(grid.nodes_per_axis());
+}
 
 /// Mean of the fine values around each coarse node, with the weights of multilinear prolongation.
 template <int Dim>
@@ -35,6 +42,20 @@ void average_to(const DyadicGrid<Dim>& coarse_grid, const float* fine, float* co
 }
 
 }  // namespace
+
+template <int Dim>
+typename VCycleVectors<Dim>::Levels VCycleVectors<Dim>::take() {
+    Levels levels;
+    if (free_.try_pop(levels)) return levels;
+    for (int l = grid_.level(); l >= std::min(coarsest_level, grid_.level()); --l) {
+        const DyadicGrid<Dim> grid(l);
+        Level& level = levels.emplace_back();
+        for (auto* v : {&level.x, &level.y, &level.b}) {
+            for (auto& f : *v) f.assign(grid.node_count() + 2 * padding_of(grid), 0.0F);
+        }
+    }
+    return levels;
+}
 
 template <int Dim>
 kernels::Stencil<Dim> VCycle<Dim>::Level::stencil() const {
@@ -65,14 +86,11 @@ VCycle<Dim>::VCycle(DyadicGrid<Dim> grid) {
         Level level;
         level.grid = DyadicGrid<Dim>(l);
         const std::size_t nodes = level.grid.node_count();
-        level.padding = nodes / static_cast<std::size_t>(level.grid.nodes_per_axis());
+        level.padding = padding_of(level.grid);
         level.diagonal.resize(nodes);
         for (auto& m : level.mass) m.resize(nodes);
         for (auto& m : level.block_inverse) m.resize(nodes);
         for (auto& e : level.edge) e.assign(nodes + 2 * level.padding, 0.0F);
-        for (auto* v : {&level.x, &level.y, &level.b}) {
-            for (auto& f : *v) f.assign(nodes + 2 * level.padding, 0.0F);
-        }
         levels_.push_back(std::move(level));
     }
 }
@@ -132,19 +150,15 @@ void VCycle<Dim>::build(Level& level) {
 }
 
 template <int Dim>
-void VCycle<Dim>::set_operator(std::span<const float> weight, const Mass& mass) {
+void VCycle<Dim>::set_operator(std::span<const float> weight) {
     assert(weight.size() == levels_[0].grid.node_count());
     levels_[0].weight.assign(weight.begin(), weight.end());
-    for (std::size_t e = 0; e < mass.size(); ++e) {
-        assert(mass[e].size() == weight.size());
-        std::copy(mass[e].begin(), mass[e].end(), levels_[0].mass[e].begin());
-    }
     build(levels_[0]);
     for (std::size_t l = 1; l < levels_.size(); ++l) {
         levels_[l].weight.resize(levels_[l].grid.node_count());
         average_to(levels_[l].grid, levels_[l - 1].weight.data(), levels_[l].weight.data());
         levels_[l - 1].weight = {};
-        for (std::size_t e = 0; e < mass.size(); ++e) {
+        for (std::size_t e = 0; e < levels_[l].mass.size(); ++e) {
             restrict_residual<Dim, float>(levels_[l].grid, levels_[l - 1].mass[e].data(), levels_[l].mass[e].data());
         }
         build(levels_[l]);
@@ -152,8 +166,9 @@ void VCycle<Dim>::set_operator(std::span<const float> weight, const Mass& mass) 
 }
 
 template <int Dim>
-void VCycle<Dim>::cycle(std::size_t depth) {
-    Level& level = levels_[depth];
+void VCycle<Dim>::cycle(std::size_t depth, typename VCycleVectors<Dim>::Levels& vectors) const {
+    const Level& level = levels_[depth];
+    auto& [x, y, b] = vectors[depth];
     const std::size_t nodes = level.grid.node_count(), pad = level.padding;
     const auto stencil = level.stencil();
     const auto reading = [&](Vector& v) {
@@ -163,38 +178,42 @@ void VCycle<Dim>::cycle(std::size_t depth) {
     };
     const auto smooth = [&](int count) {
         for (int s = 0; s < count; ++s) {
-            kernels::jacobi_sweep<Dim>(nodes, stencil, omega, reading(level.b), reading(level.x), level.inner(level.y));
-            std::swap(level.x, level.y);
+            kernels::jacobi_sweep<Dim>(nodes, stencil, omega, reading(b), reading(x), level.inner(y));
+            std::swap(x, y);
         }
     };
     const bool coarsest = depth + 1 == levels_.size();
-    kernels::first_sweep<Dim>(nodes, stencil, omega, reading(level.b), level.inner(level.x));
+    kernels::first_sweep<Dim>(nodes, stencil, omega, reading(b), level.inner(x));
     smooth((coarsest ? coarsest_sweeps : sweeps) - 1);
     if (coarsest) return;
-    Level& next = levels_[depth + 1];
-    kernels::residual<Dim>(nodes, stencil, reading(level.b), reading(level.x), level.inner(level.y));
+    const Level& next = levels_[depth + 1];
+    auto& coarse = vectors[depth + 1];
+    kernels::residual<Dim>(nodes, stencil, reading(b), reading(x), level.inner(y));
     for (std::size_t a = 0; a < Dim; ++a) {
-        restrict_residual<Dim, float>(next.grid, level.y[a].data() + pad, next.b[a].data() + next.padding);
+        restrict_residual<Dim, float>(next.grid, y[a].data() + pad, coarse.b[a].data() + next.padding);
     }
-    cycle(depth + 1);
+    cycle(depth + 1, vectors);
     for (std::size_t a = 0; a < Dim; ++a) {
-        add_prolonged<Dim, float>(next.grid, next.x[a].data() + next.padding, level.x[a].data() + pad);
+        add_prolonged<Dim, float>(next.grid, coarse.x[a].data() + next.padding, x[a].data() + pad);
     }
     smooth(sweeps);
 }
 
 template <int Dim>
-void VCycle<Dim>::apply(const std::array<float*, Dim>& field) {
-    Level& fine = levels_[0];
-    const std::size_t nodes = fine.grid.node_count();
-    for (std::size_t a = 0; a < Dim; ++a) std::copy(field[a], field[a] + nodes, fine.b[a].data() + fine.padding);
-    cycle(0);
+void VCycle<Dim>::apply(const std::array<float*, Dim>& field, VCycleVectors<Dim>& vectors) const {
+    const std::size_t nodes = levels_[0].grid.node_count(), padding = levels_[0].padding;
+    auto lent = vectors.take();
+    for (std::size_t a = 0; a < Dim; ++a) std::copy(field[a], field[a] + nodes, lent[0].b[a].data() + padding);
+    cycle(0, lent);
     for (std::size_t a = 0; a < Dim; ++a) {
-        const float* x = fine.x[a].data() + fine.padding;
+        const float* x = lent[0].x[a].data() + padding;
         std::copy(x, x + nodes, field[a]);
     }
+    vectors.give_back(std::move(lent));
 }
 
+template class VCycleVectors<2>;
+template class VCycleVectors<3>;
 template class VCycle<2>;
 template class VCycle<3>;
 

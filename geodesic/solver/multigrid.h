@@ -1,5 +1,7 @@
 #pragma once
 
+#include <oneapi/tbb/concurrent_queue.h>
+
 #include <array>
 #include <span>
 #include <vector>
@@ -8,6 +10,29 @@
 #include "geodesic/kernels/stencil_kernels.h"
 
 namespace morphodesic {
+
+/// Vectors that V-cycles on one grid work in, lent to each application: as many are held as ever ran at once.
+template <int Dim>
+class VCycleVectors {
+public:
+    /// Zero outside of the nodes.
+    using Vector = std::array<std::vector<float>, Dim>;
+    struct Level {
+        Vector x, y, b;
+    };
+    using Levels = std::vector<Level>;  // fine to coarse
+
+    explicit VCycleVectors(DyadicGrid<Dim> grid) : grid_(grid) {}
+
+    [[nodiscard]] Levels take();
+    void give_back(Levels&& levels) { free_.push(std::move(levels)); }
+    /// Frees their memory.
+    void clear() { free_.clear(); }
+
+private:
+    DyadicGrid<Dim> grid_;
+    oneapi::tbb::concurrent_queue<Levels> free_;
+};
 
 /// Symmetric positive definite approximation of (-div(weight grad) + mass)^-1 on vector fields with zero boundary
 /// values, mass a symmetric matrix at each node: one multigrid V-cycle on the (2 Dim + 1)-point stencil, damped block
@@ -21,28 +46,29 @@ public:
 
     explicit VCycle(DyadicGrid<Dim> grid);
 
+    /// To be filled before set_operator: positive semidefinite at each node.
+    [[nodiscard]] Mass& mass() { return levels_[0].mass; }
+    /// Builds the operators from the mass and
     /// @param weight  [N] > 0 at the nodes
-    /// @param mass    positive semidefinite at each node
-    void set_operator(std::span<const float> weight, const Mass& mass);
+    void set_operator(std::span<const float> weight);
 
     /// Applies the V-cycle to a right side, one array [N] per component, in place; boundary entries become 0.
-    void apply(const std::array<float*, Dim>& field);
+    void apply(const std::array<float*, Dim>& field, VCycleVectors<Dim>& vectors) const;
 
 private:
-    using Vector = std::array<std::vector<float>, Dim>;
+    using Vector = typename VCycleVectors<Dim>::Vector;
     struct Level {
         DyadicGrid<Dim> grid;
-        std::size_t padding;  // entries before and after each padded field
+        std::size_t padding;        // entries before and after each padded field
         std::vector<float> weight;  // while the operator is built
         Mass mass, block_inverse;
         std::array<std::vector<float>, Dim> edge;  // padded
         std::vector<float> diagonal;
-        Vector x, y, b;  // padded
         [[nodiscard]] kernels::Stencil<Dim> stencil() const;
         [[nodiscard]] kernels::VectorOut<Dim> inner(Vector& v) const;
     };
     void build(Level& level);
-    void cycle(std::size_t depth);
+    void cycle(std::size_t depth, typename VCycleVectors<Dim>::Levels& vectors) const;
 
     std::vector<Level> levels_;  // fine to coarse
 };

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/kernels/heaviside_kernel.h"
 #include "geodesic/solver/mismatch_points.h"
 
 namespace morphodesic {
@@ -20,43 +20,67 @@ constexpr double tail_floor = 1e-2;  // share of max delta_eps^2 in the scaling 
 // stiffness for full steps to be accepted (measured: 1 costs twice the line searches, 3 more iterations).
 constexpr double coupling = 2.0;
 
-/// Gauss-Newton matrices of the mismatch of one step, lumped at the nodes.
-template <int Dim>
-struct MismatchMass {
-    typename VCycle<Dim>::Mass deformation;    // in phi_k
-    std::vector<float> previous_shape, shape;  // in u_{k-1} and u_k
+/// Gauss-Newton matrices of the mismatch of one step in u_{k-1} and u_k, lumped at the nodes.
+struct ShapeMass {
+    std::vector<float> previous, next;
 
     void clear(std::size_t nodes) {
-        previous_shape.assign(nodes, 0.0F);
-        shape.assign(nodes, 0.0F);
-        for (auto& m : deformation) m.assign(nodes, 0.0F);
+        previous.assign(nodes, 0.0F);
+        next.assign(nodes, 0.0F);
     }
 };
 
 /// Adds a quadrature point: in phi_k, weight N_i (delta_eps(u))^2 grad u grad u^T with u = u_k at the deformed point;
 /// in the shapes, weight N_i (delta_eps)^2 at the point of u_{k-1} and at the deformed point of u_k.
 template <int Dim>
-void add_to(MismatchMass<Dim>& mass, const MismatchPoint<Dim>& p, const std::array<std::size_t, 1 << Dim>& offsets,
-            double weight) {
+void add_to(typename VCycle<Dim>::Mass& deformation, ShapeMass& shapes, const MismatchPoint<Dim>& p,
+            const std::array<std::size_t, 1 << Dim>& offsets, double weight) {
     const double here = p.here * p.here, there = p.there * p.there;
     const double size = weight * std::max(here, there);
     for (int c = 0; c < (1 << Dim); ++c) {
         const std::size_t corner = offsets[static_cast<std::size_t>(c)];
         const double share = q1::shape<Dim>(c, p.fraction);
-        mass.previous_shape[p.node + corner] += static_cast<float>(weight * share * here);
-        mass.shape[p.target.node + corner] += static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
+        shapes.previous[p.node + corner] += static_cast<float>(weight * share * here);
+        shapes.next[p.target.node + corner] +=
+            static_cast<float>(weight * q1::shape<Dim>(c, p.target.fraction) * there);
         for (int r = 0; r < Dim; ++r) {
             for (int s = r; s < Dim; ++s) {
-                mass.deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
+                deformation[static_cast<std::size_t>(kernels::symmetric_entry<Dim>(r, s))][p.node + corner] +=
                     static_cast<float>(size * share * p.slope[r] * p.slope[s]);
             }
         }
     }
 }
+
+/// Stiffness at the nodes of one time step, as a share of that of an undeformed cell inside.
+template <int Dim>
+std::vector<float> node_stiffness(const DyadicGrid<Dim>& grid, const double* u,
+                                  const DisplacementView<Dim>& displacement, double eps,
+                                  const GeodesicOptions& options) {
+    const auto least = least_node_det<Dim>(grid, displacement);
+    std::vector<float> stiffness(least.size());
+    std::array<double, 512> block;
+    for (std::size_t first = 0; first < least.size(); first += block.size()) {
+        const std::span<double> indicator(block.data(), std::min(block.size(), least.size() - first));
+        kernels::smooth_heaviside({u + first, indicator.size()}, eps, indicator);
+        for (std::size_t j = 0; j < indicator.size(); ++j) {
+            const double inside = (1.0 - options.outside_stiffness) * indicator[j] + options.outside_stiffness;
+            // Where a cell is squeezed to det = s, the logarithm stiffens it by about 1 / s^2.
+            const double squeezed = std::clamp(least[first + j], 0.005, 1.0);
+            double local = inside * 0.5 * (1.0 + 1.0 / (squeezed * squeezed));
+            if (squeezed < kernels::barrier_onset) {
+                local += PathEnergy<Dim>::barrier_weight * 0.5 / (squeezed * squeezed);
+            }
+            stiffness[first + j] = static_cast<float>(local);
+        }
+    }
+    return stiffness;
+}
 }  // namespace
 
 template <int Dim>
-PathPreconditioner<Dim>::PathPreconditioner(const PathEnergy<Dim>& energy) : layout_(energy.layout()) {
+PathPreconditioner<Dim>::PathPreconditioner(const PathEnergy<Dim>& energy)
+    : layout_(energy.layout()), vectors_(layout_.grid) {
     const auto steps = static_cast<std::size_t>(layout_.time_steps);
     cycles_.assign(steps, VCycle<Dim>(layout_.grid));
     inverse_u_.assign(steps - 1, std::vector<float>(layout_.nodes()));
@@ -67,12 +91,13 @@ template <int Dim>
 void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x) {
     const double eps = energy.eps(), node_volume = std::pow(layout_.grid.spacing(), Dim);
     const auto& options = energy.options();
-    const double stiffness = 2.0 * layout_.time_steps * (options.mu + 0.25 * options.lambda);
+    const auto stiffness = static_cast<float>(2.0 * layout_.time_steps * (options.mu + 0.25 * options.lambda));
     const double max_delta = std::numbers::inv_pi / eps;
     std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
-    std::vector<MismatchMass<Dim>> masses(static_cast<std::size_t>(layout_.time_steps));
+    std::vector<ShapeMass> masses(static_cast<std::size_t>(layout_.time_steps));
     const auto offsets = q1::corner_offsets(layout_.grid);
     const double mass_unit = coupling * 2.0 * energy.eta() * node_volume / (1 << Dim);
+    if constexpr (Dim == 3) vectors_.clear();  // not needed while operators are built, when most memory is in use
     if (transport_) transport_->follow(energy, x);
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(0, layout_.time_steps, [&](int index) {
@@ -82,34 +107,23 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
             for (int a = 0; a < Dim; ++a) {
                 displacement[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(index + 1, a);
             }
-            const auto least = least_node_det<Dim>(layout_.grid, displacement);
-            auto& weight = weights[k];
-            weight.resize(layout_.nodes());
-            for (std::size_t i = 0; i < weight.size(); ++i) {
-                const double inside =
-                    (1.0 - options.outside_stiffness) * smooth_heaviside(u[i], eps) + options.outside_stiffness;
-                // Where a cell is squeezed to det = s, the logarithm stiffens it by about 1 / s^2.
-                const double squeezed = std::clamp(least[i], 0.005, 1.0);
-                double local = inside * 0.5 * (1.0 + 1.0 / (squeezed * squeezed));
-                if (squeezed < kernels::barrier_onset) {
-                    local += PathEnergy<Dim>::barrier_weight * 0.5 / (squeezed * squeezed);
-                }
-                weight[i] = static_cast<float>(stiffness * local);
-            }
+            weights[k] = node_stiffness<Dim>(layout_.grid, u, displacement, eps, options);
+            for (float& w : weights[k]) w *= stiffness;
             masses[k].clear(layout_.nodes());
+            auto& deformation = cycles_[k].mass();
+            for (auto& entry : deformation) std::fill(entry.begin(), entry.end(), 0.0F);
             for_each_mismatch_point<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
                                          [&](const MismatchPoint<Dim>& p) {
-                                             add_to<Dim>(masses[k], p, offsets, mass_unit);
+                                             add_to<Dim>(deformation, masses[k], p, offsets, mass_unit);
                                              if (transport_) transport_->add_point(index, p);
                                          });
-            cycles_[k].set_operator(weight, masses[k].deformation);
-            masses[k].deformation = {};
+            cycles_[k].set_operator(weights[k]);
         });
         const double floor = coupling * 4.0 * energy.eta() * node_volume * tail_floor * max_delta * max_delta;
         oneapi::tbb::parallel_for(1, layout_.time_steps, [&](int index) {
             const auto k = static_cast<std::size_t>(index);
             for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-                const double curvature = static_cast<double>(masses[k - 1].shape[i] + masses[k].previous_shape[i]);
+                const double curvature = static_cast<double>(masses[k - 1].next[i] + masses[k].previous[i]);
                 inverse_u_[k - 1][i] = static_cast<float>(1.0 / (curvature + floor));
             }
         });
@@ -136,7 +150,7 @@ void PathPreconditioner<Dim>::apply(std::span<float> vector) {
             for (int a = 0; a < Dim; ++a) {
                 field[static_cast<std::size_t>(a)] = vector.data() + layout_.displacement(k, a);
             }
-            cycles_[static_cast<std::size_t>(k - 1)].apply(field);
+            cycles_[static_cast<std::size_t>(k - 1)].apply(field, vectors_);
             if (k == layout_.time_steps) return;
             float* u = vector.data() + layout_.level_set(k);
             const auto& inverse = inverse_u_[static_cast<std::size_t>(k - 1)];

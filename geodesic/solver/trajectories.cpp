@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "geodesic/grid/node_loop.h"
@@ -17,12 +18,29 @@ constexpr float least_stretch = 0.25F, most_stretch = 4.0F;
 template <int Dim>
 using Matrix = Eigen::Matrix<float, Dim, Dim>;
 
+float tamed_stretch(float stretch) {
+    return std::clamp(stretch, least_stretch, most_stretch);
+}
+
 template <int Dim>
 Matrix<Dim> tamed(const Matrix<Dim>& m) {
     if (m.squaredNorm() < most_stretch && m.determinant() > least_stretch) return m;
     if (!m.allFinite()) return Matrix<Dim>::Identity();
+    if constexpr (Dim == 2) {
+        // A similarity and a similarity with a reflection, of sizes (s1 + s2) / 2 and (s1 - s2) / 2 for the singular
+        // values s1 >= |s2|, s2 with the sign of the determinant.
+        Matrix<2> cofactor;
+        cofactor << m(1, 1), -m(1, 0), -m(0, 1), m(0, 0);
+        const Matrix<2> turned = 0.5F * (m + cofactor), mirrored = 0.5F * (m - cofactor);
+        const float p = turned.col(0).norm(), q = mirrored.col(0).norm();
+        const float s1 = tamed_stretch(p + q), s2 = std::copysign(tamed_stretch(std::abs(p - q)), p - q);
+        Matrix<2> result = Matrix<2>::Zero();
+        if (p > 0.0F) result += 0.5F * (s1 + s2) / p * turned;
+        if (q > 0.0F) result += 0.5F * (s1 - s2) / q * mirrored;
+        return result;
+    }
     const Eigen::JacobiSVD<Matrix<Dim>> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const auto s = svd.singularValues().cwiseMax(least_stretch).cwiseMin(most_stretch);
+    const auto s = svd.singularValues().unaryExpr(&tamed_stretch);
     return svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
 }
 

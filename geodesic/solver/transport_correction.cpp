@@ -26,7 +26,10 @@ constexpr double move_share = 0.5, level_share = 0.3;
 
 template <int Dim>
 TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
-    : layout_(layout), coarse_(std::max(3, layout.grid.level() - coarser_by)), trajectories_(layout, coarse_) {
+    : layout_(layout),
+      coarse_(std::max(3, layout.grid.level() - coarser_by)),
+      trajectories_(layout, coarse_),
+      vectors_(coarse_) {
     const auto steps = static_cast<std::size_t>(layout.time_steps);
     level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
     buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
@@ -160,11 +163,12 @@ void TransportCorrection<Dim>::build(const PathEnergy<Dim>& energy, std::span<co
     }
     for_indices(1, steps, [&](int m) {
         const double s = std::sin(std::numbers::pi * m / (2 * steps));
-        auto scaled = rest;
-        for (auto& entry : scaled) {
+        auto& mode = modes_[static_cast<std::size_t>(m - 1)];
+        mode.mass() = rest;
+        for (auto& entry : mode.mass()) {
             for (float& v : entry) v *= static_cast<float>(rest_factor / (4.0 * s * s));
         }
-        modes_[static_cast<std::size_t>(m - 1)].set_operator(weight, scaled);
+        mode.set_operator(weight);
     });
 }
 
@@ -244,7 +248,7 @@ void TransportCorrection<Dim>::solve() {
     for_indices(0, steps - 1, [&](int m) {
         std::array<float*, Dim> field;
         for (std::size_t c = 0; c < Dim; ++c) field[c] = modal_[static_cast<std::size_t>(m)][c].data();
-        modes_[static_cast<std::size_t>(m)].apply(field);
+        modes_[static_cast<std::size_t>(m)].apply(field, vectors_);
     });
     for_nodes(coarse_, [&](std::size_t i) {
         float z[Dim] = {};
