@@ -8,6 +8,13 @@
 
 namespace morphodesic::tests {
 
+/// Whether the program under test carries the address or the thread sanitizer.
+#if defined(__has_feature)
+inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+inline constexpr bool sanitized = false;
+#endif
+
 /// A folder that is there for one test.
 class TemporaryFolder {
 public:

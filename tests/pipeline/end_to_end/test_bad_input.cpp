@@ -29,12 +29,6 @@ std::string pgm(int width, int height, const std::string& pixels) {
     return "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" + pixels;
 }
 
-#if defined(__has_feature)
-constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool sanitized = false;
-#endif
-
 /// The program as a user whom permissions bind: root reads and writes everything.
 Outcome as_ordinary_user(const std::vector<std::string>& arguments, const fs::path& owned) {
     // Sanitizers reserve most of the address space; they have a limit of their own.

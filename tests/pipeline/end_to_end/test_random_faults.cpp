@@ -284,9 +284,12 @@ TEST_F(RandomFaults, ClockThatJumpsChangesNothing) {
     const fs::path clock = folder_ / "clock";
     fs::remove_all(study_);
     // All clocks of the process: the time of day, and the one that only grows (which then does not).
-    std::string line = "export LD_PRELOAD=" + preload + " FAKETIME_TIMESTAMP_FILE='" + clock.string() +
-                       "' FAKETIME_NO_CACHE=1; for offset in +0 -400d +4000d -1h +0; do echo $offset > '" +
-                       clock.string() + "'; sleep 0.1; done & exec \"$MORPHODESIC\"";
+    // A sanitizer's allocator asks for the time while it holds its lock; the clock must not read a file then. There it
+    // runs fast instead, from another year.
+    std::string line = "export LD_PRELOAD=" + preload + " FAKETIME_NO_CACHE=1 " +
+                       (sanitized ? "FAKETIME='-400d x3000'" : "FAKETIME_TIMESTAMP_FILE='" + clock.string() + "'") +
+                       "; for offset in +0 -400d +4000d -1h +0; do echo $offset > '" + clock.string() +
+                       "'; sleep 0.1; done & exec \"$MORPHODESIC\"";
     write_file(clock, "+0\n");
     for (const std::string& word : command_) line += " '" + word + "'";
     const Outcome done = shell("(" + line + ")");
