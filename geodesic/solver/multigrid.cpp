@@ -168,7 +168,9 @@ void VCycle<Dim>::set_operator(std::span<const float> weight) {
 template <int Dim>
 void VCycle<Dim>::cycle(std::size_t depth, typename VCycleVectors<Dim>::Levels& vectors) const {
     const Level& level = levels_[depth];
-    auto& [x, y, b] = vectors[depth];
+    Vector& x = vectors[depth].x;
+    Vector& y = vectors[depth].y;
+    Vector& b = vectors[depth].b;
     const std::size_t nodes = level.grid.node_count(), pad = level.padding;
     const auto stencil = level.stencil();
     const auto reading = [&](Vector& v) {
