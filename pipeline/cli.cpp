@@ -14,6 +14,7 @@
 #include "pipeline/commands/datasets.h"
 #include "pipeline/commands/figures.h"
 #include "pipeline/commands/solid_datasets.h"
+#include "pipeline/memory_limits.h"
 #include "pipeline/standard_streams.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
@@ -480,6 +481,10 @@ int parse_and_run(std::vector<std::string> arguments) {
             }
             for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";
             if (!problems.empty()) return bad_usage;
+        }
+        if (const std::string problem = address_space_problem(); !problem.empty()) {
+            std::cerr << "morphodesic: " << problem << "\n";
+            return environment_failed;
         }
         return second.action();
     } catch (const CLI::ParseError& error) {

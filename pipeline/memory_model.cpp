@@ -1,25 +1,16 @@
 #include "pipeline/memory_model.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <limits>
-#include <sstream>
 #include <stdexcept>
+
+#include "pipeline/memory_limits.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 double nodes(int dimension, int level) {
     return std::pow(std::ldexp(1.0, level) + 1.0, dimension);
-}
-
-std::size_t number_in(const char* file) {
-    std::ifstream stream(file);
-    std::size_t value = 0;
-    return stream >> value ? value : std::numeric_limits<std::size_t>::max();  // "max" and no file: no limit
 }
 
 }  // namespace
@@ -46,56 +37,6 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
 
 std::size_t bytes_of_shape(int dimension, int level) {
     return static_cast<std::size_t>(nodes(dimension, level)) * sizeof(double);
-}
-
-std::size_t available_memory() {
-    std::size_t available = std::numeric_limits<std::size_t>::max();
-    std::ifstream meminfo("/proc/meminfo");
-    for (std::string line; std::getline(meminfo, line);) {
-        if (line.rfind("MemAvailable:", 0) != 0) continue;
-        std::istringstream words(line.substr(13));
-        std::size_t kilobytes = 0;
-        if (words >> kilobytes) available = kilobytes * 1024;
-    }
-    const auto within = [&](const char* limit_file, const char* usage_file) {
-        const std::size_t limit = number_in(limit_file);
-        if (limit == std::numeric_limits<std::size_t>::max()) return;
-        const std::size_t used = number_in(usage_file);
-        available = std::min(available, used < limit ? limit - used : 0);
-    };
-    within("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current");
-    within("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes");
-    return available;
-}
-
-std::size_t size_from_text(const std::string& text) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    std::string unit(end, text.data() + text.size());
-    for (const char* ending : {"iB", "B", "b"}) {
-        const std::string tail = ending;
-        if (unit.size() >= tail.size() && unit.ends_with(tail)) {
-            unit.resize(unit.size() - tail.size());
-            break;
-        }
-    }
-    const std::string units = "KMGT";
-    const std::size_t power = unit.empty() ? 0 : units.find(static_cast<char>(std::toupper(unit.front()))) + 1;
-    const double bytes = value * std::pow(1024.0, static_cast<double>(power));
-    if (error != std::errc() || unit.size() > 1 || (!unit.empty() && power == 0) || !(bytes >= 1) || bytes > 1e18) {
-        throw std::invalid_argument("--memory is \"" + text + "\"; give a size such as 4G or 800M");
-    }
-    return static_cast<std::size_t>(bytes);
-}
-
-std::string size_text(std::size_t bytes) {
-    const char* units[] = {"bytes", "kB", "MB", "GB", "TB"};
-    auto value = static_cast<double>(bytes);
-    std::size_t unit = 0;
-    while (value >= 1000 && unit + 1 < std::size(units)) value /= 1024, ++unit;
-    char text[40];
-    std::snprintf(text, sizeof text, unit == 0 || value >= 100 ? "%.0f %s" : "%.2g %s", value, units[unit]);
-    return text;
 }
 
 MemoryPlan plan_memory(const std::string& memory_option, int dimension, int level, int shape_level, int time_steps,

@@ -44,16 +44,6 @@ Outcome outcome(pid_t process, const fs::path& folder) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "morphodesic-test-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-}
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
-
 Outcome morphodesic(const std::vector<std::string>& arguments) {
     const TemporaryFolder folder;
     return outcome(start(MORPHODESIC_PROGRAM, arguments, folder.path()), folder.path());

@@ -114,6 +114,16 @@ TEST_F(StoppedStudy, AFullDiskEndsWithAdviceAndNothingIsLost) {
     EXPECT_EQ(read_file(folder_ / "stopped/distances.csv"), read_file(folder_ / "undisturbed/distances.csv"));
 }
 
+TEST_F(StoppedStudy, TooLittleAddressSpaceIsSaidBeforeAnythingBegins) {
+    if (sanitized) GTEST_SKIP() << "sanitizers reserve more address space than is allowed here";
+    std::string line = "ulimit -v 500000; exec \"$MORPHODESIC\"";
+    for (const std::string& word : command("stopped")) line += " '" + word + "'";
+    const Outcome cramped = shell(line);
+    EXPECT_EQ(cramped.code, 3) << cramped.err;
+    EXPECT_THAT(cramped.err, HasSubstr("ulimit -v unlimited"));
+    EXPECT_FALSE(fs::exists(folder_ / "stopped"));
+}
+
 class DisturbedStore : public testing::Test {
 protected:
     void SetUp() override {
