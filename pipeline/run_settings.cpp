@@ -73,7 +73,7 @@ const std::vector<Preset>& presets() {
         {"fine",
          "level 7, 8 steps: for final numbers; fifteen times the cost of standard, some 2.5 % short, extrapolated "
          "within 0.5 %",
-         7, 8, 1e-3, 6},
+         7, 8, 1e-3, 8},
     };
     return all;
 }

@@ -196,40 +196,12 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     }
 }
 
-template <int Dim>
-PathState<Dim> reversed(const PathState<Dim>& path, int& folds) {
-    const auto& grid = path.layout.grid;
-    const int steps = path.layout.time_steps;
-    PathState<Dim> back{path.layout, {}};
-    back.x.assign(back.layout.size(), 0.0);
-    for (int k = 1; k <= steps; ++k) {
-        if (k < steps) {
-            const double* u = path.x.data() + path.layout.level_set(k);
-            std::copy(u, u + grid.node_count(),
-                      back.x.begin() + static_cast<std::ptrdiff_t>(back.layout.level_set(steps - k)));
-        }
-        for_nodes(grid, [&](std::size_t i) {
-            if (on_boundary(grid, i)) return;
-            const auto y = grid.position(grid.node(i));
-            Point<Dim> x = y;
-            invert_at(path, k, 1.0, y, x);
-            for (int a = 0; a < Dim; ++a) {
-                const auto c = static_cast<std::size_t>(a);
-                back.x[back.layout.displacement(steps + 1 - k, a) + i] = x[c] - y[c];
-            }
-        });
-    }
-    folds = repair(back);
-    return back;
-}
-
 #define MORPHODESIC_INSTANTIATE(Dim)                                                                              \
     template PathState<Dim> blended_path<Dim>(const LevelSet<Dim>&, const LevelSet<Dim>&, int);                   \
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
                                                int&);                                                             \
     template PathState<Dim> prolong_in_space<Dim>(const PathState<Dim>&, int&);                                   \
-    template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, double);     \
-    template PathState<Dim> reversed<Dim>(const PathState<Dim>&, int&);
+    template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, double);
 MORPHODESIC_INSTANTIATE(2)
 MORPHODESIC_INSTANTIATE(3)
 #undef MORPHODESIC_INSTANTIATE

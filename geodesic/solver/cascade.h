@@ -35,8 +35,4 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds);
 template <int Dim>
 void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, double eps);
 
-/// The path walked backwards, from last to first: inverse deformations, shapes in reverse order.
-template <int Dim>
-PathState<Dim> reversed(const PathState<Dim>& path, int& folds);
-
 }  // namespace morphodesic

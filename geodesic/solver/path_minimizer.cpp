@@ -43,16 +43,18 @@ void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x
     });
 }
 
-/// Repairs the deformations that fold, unless there are too many of them to be a local matter.
+/// Repairs the deformations that fold. @return false if none does
 template <int Dim>
 bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<double>& x) {
+    bool folded = false;
     for (int k = 1; k <= layout.time_steps; ++k) {
         if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det) continue;
         std::array<double*, Dim> w;
         for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
         repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det);
+        folded = true;
     }
-    return true;
+    return folded;
 }
 
 }  // namespace

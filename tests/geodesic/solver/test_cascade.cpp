@@ -61,15 +61,6 @@ TYPED_TEST(CascadeIn, SplittingKeepsTheDeformation) {
     }
 }
 
-TYPED_TEST(CascadeIn, ReversingTwiceGivesThePathBack) {
-    constexpr int dim = TypeParam::value;
-    const tests::PathProblem<dim> problem(level_of(dim), 2, GeodesicOptions{});
-    const auto path = state_of(problem);
-    int folds = -1;
-    const auto back = reversed(reversed(path, folds), folds);
-    for (std::size_t i = 0; i < path.x.size(); ++i) ASSERT_NEAR(back.x[i], path.x[i], 0.1 * path.layout.grid.spacing());
-}
-
 TYPED_TEST(CascadeIn, ProlongedFoldIsRepaired) {
     // Two neighbouring nodes so close that the finer grid, or the one itself, folds.
     constexpr int dim = TypeParam::value;
