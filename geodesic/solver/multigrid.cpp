@@ -17,6 +17,14 @@ constexpr int sweeps = 2;  // before and after the coarse correction
 constexpr float omega = 0.8F;
 constexpr int coarsest_level = 2, coarsest_sweeps = 12;
 
+/// Grids of a V-cycle, fine to coarse.
+template <int Dim>
+std::vector<DyadicGrid<Dim>> grids_of_cycle(const DyadicGrid<Dim>& fine) {
+    std::vector<DyadicGrid<Dim>> grids;
+    for (int l = fine.level(); l >= std::min(coarsest_level, fine.level()); --l) grids.emplace_back(l);
+    return grids;
+}
+
 /// Entries before and after the nodes of a field, so that neighbours of boundary nodes can be read: one row or plane.
 template <int Dim>
 std::size_t padding_of(const DyadicGrid<Dim>& grid) {
@@ -47,8 +55,7 @@ template <int Dim>
 typename VCycleVectors<Dim>::Levels VCycleVectors<Dim>::take() {
     Levels levels;
     if (free_.try_pop(levels)) return levels;
-    for (int l = grid_.level(); l >= std::min(coarsest_level, grid_.level()); --l) {
-        const DyadicGrid<Dim> grid(l);
+    for (const auto& grid : grids_of_cycle(grid_)) {
         Level& level = levels.emplace_back();
         for (auto* v : {&level.x, &level.y, &level.b}) {
             for (auto& f : *v) f.assign(grid.node_count() + 2 * padding_of(grid), 0.0F);
@@ -82,9 +89,9 @@ kernels::VectorOut<Dim> VCycle<Dim>::Level::inner(Vector& v) const {
 
 template <int Dim>
 VCycle<Dim>::VCycle(DyadicGrid<Dim> grid) {
-    for (int l = grid.level(); l >= std::min(coarsest_level, grid.level()); --l) {
+    for (const auto& level_grid : grids_of_cycle(grid)) {
         Level level;
-        level.grid = DyadicGrid<Dim>(l);
+        level.grid = level_grid;
         const std::size_t nodes = level.grid.node_count();
         level.padding = padding_of(level.grid);
         level.diagonal.resize(nodes);

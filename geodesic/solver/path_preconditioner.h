@@ -35,8 +35,8 @@ public:
 
 private:
     PathLayout<Dim> layout_;
-    std::vector<VCycle<Dim>> cycles_;  // per time step
-    VCycleVectors<Dim> vectors_;
+    std::vector<VCycle<Dim>> cycles_;                    // per time step
+    VCycleVectors<Dim> vectors_;                         // of cycles_
     std::vector<std::vector<float>> inverse_u_;          // per shape between
     std::optional<TransportCorrection<Dim>> transport_;  // for more than one time step
 };

@@ -38,10 +38,11 @@ Matrix<Dim> tamed(const Matrix<Dim>& m) {
         if (p > 0.0F) result += 0.5F * (s1 + s2) / p * turned;
         if (q > 0.0F) result += 0.5F * (s1 - s2) / q * mirrored;
         return result;
+    } else {
+        const Eigen::JacobiSVD<Matrix<Dim>> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        const auto s = svd.singularValues().unaryExpr(&tamed_stretch);
+        return svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
     }
-    const Eigen::JacobiSVD<Matrix<Dim>> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const auto s = svd.singularValues().unaryExpr(&tamed_stretch);
-    return svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
 }
 
 template <int Dim, class T>

@@ -57,12 +57,12 @@ private:
     PathLayout<Dim> layout_;
     DyadicGrid<Dim> coarse_;
     Trajectories<Dim> trajectories_;
-    double unit_ = 0.0;                             // of the mismatch at a point
-    std::vector<typename VCycle<Dim>::Mass> rest_;  // per step, [coarse nodes]
-    std::vector<std::vector<float>> level_unit_;    // d_k, k = 1..K-1
-    std::vector<std::vector<float>> buffers_;       // per frame, [coarse nodes][width]
-    std::vector<VCycle<Dim>> modes_;                // m = 1..K-1
-    VCycleVectors<Dim> vectors_;
+    double unit_ = 0.0;                                       // of the mismatch at a point
+    std::vector<typename VCycle<Dim>::Mass> rest_;            // per step, [coarse nodes]
+    std::vector<std::vector<float>> level_unit_;              // d_k, k = 1..K-1
+    std::vector<std::vector<float>> buffers_;                 // per frame, [coarse nodes][width]
+    std::vector<VCycle<Dim>> modes_;                          // m = 1..K-1
+    VCycleVectors<Dim> vectors_;                              // of modes_
     std::vector<std::array<std::vector<float>, Dim>> modal_;  // per mode, right side and solution
 };
 
