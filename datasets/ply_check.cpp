@@ -223,6 +223,7 @@ CheckedMesh check_ply(const fs::path& file, std::string content) {
             }
         }
         if (is_point && *std::min_element(axis.begin(), axis.end()) < 0) refuse(file, "its points have no x, y and z");
+        if (is_point && result.point_count > 0) refuse(file, "its header has two lists of points");
         if (is_point) result.point_count = element.count;
         for (std::size_t i = 0; i < element.count; ++i) {
             Vector3 point{};

@@ -128,6 +128,11 @@ TEST(MeshReader, LiesAreNamed) {
                 HasSubstr("promises a list of 99999"));
     EXPECT_THAT(refusal(folder.write("e.ply", replaced(ply_file(box, "ascii"), "0.25", "nan"))),
                 HasSubstr("not finite"));
+    // The second list would push the faces of the first out of their place, and the parser would end the program.
+    EXPECT_THAT(refusal(folder.write("twice.ply", replaced(ply_file(box, "ascii"), "element face",
+                                                           "element vertex 0\nproperty float x\nproperty float y\n"
+                                                           "property float z\nelement face"))),
+                HasSubstr("two lists of points"));
     EXPECT_THAT(refusal(folder.write("f.ply", replaced(ply_file(box, "ascii"), "ascii", "morse"))), HasSubstr("morse"));
 
     EXPECT_THAT(refusal(folder.write("a.off", replaced(off_text(box), "8 12", "9 12"))),
