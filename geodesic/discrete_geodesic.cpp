@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "geodesic/solver/alignment.h"
 #include "geodesic/solver/cascade.h"
 #include "geodesic/solver/path_minimizer.h"
+#include "geodesic/solver/path_window.h"
 
 namespace morphodesic {
 
@@ -32,6 +34,9 @@ constexpr double start_tolerance = 5e-3, search_tolerance = 2e-2;  // of the ene
 // The tolerance with the wide rim, in units of the one asked for: what comes after moves the path by more than the last
 // iterations there would. No more than so much of the energy.
 constexpr double wide_rim_share = 5.0, wide_rim_tolerance = 1e-2;
+
+/// From this level on solves look at a window around the shapes.
+constexpr int window_level = 5;
 
 /// Up to this level starts compete. Above, their order hardly changes and each costs much.
 template <int Dim>
@@ -115,19 +120,44 @@ private:
         std::copy(old.begin(), old.end(), path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)));
     }
 
+    /// The same, on a window. @return the terms of the whole path
+    MinimizerSummary minimize_on(const PathWindow<Dim>& window, PathState<Dim>& path, PathEnergy<Dim>& energy,
+                                 const ScalarField<Dim>& mask, const MinimizerOptions& minimizer, int& folds) {
+        PathEnergy<Dim> part_energy(window.cut_out(energy.first()), window.cut_out(energy.last()),
+                                    path.layout.time_steps, energy.options(),
+                                    mask.values.empty() ? mask : window.cut_out(mask));
+        auto part = window.cut_out(path);
+        adopt_transported_shapes(part, part_energy);
+        auto summary = minimize_path<Dim>(part_energy, part.x, minimizer);
+        window.put_back(part, path);
+        summary.terms = energy.evaluate(path.x, {});
+        if (!std::isfinite(summary.terms.total)) {  // across the faces of the window
+            folds += repair_folds(path);
+            summary.terms = energy.evaluate(path.x, {});
+        }
+        return summary;
+    }
+
     /// Minimises on the level and K of the path, with the given rim.
     void solve(Start<Dim>& start, int folds, double rim_width, double tolerance) {
         const auto begin = Clock::now();
         const int level = start.path.layout.grid.level(), steps = start.path.layout.time_steps;
         GeodesicOptions options = options_;
         options.rim_width = rim_width;
-        PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options,
-                               mask_on(start.motion, level));
-        adopt_transported_shapes(start.path, energy);
+        const auto mask = mask_on(start.motion, level);
+        PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options, mask);
         MinimizerOptions minimizer;
         minimizer.tolerance = tolerance * std::min(1.0, static_cast<double>(many_steps) / steps);
         minimizer.max_iterations = options_.max_iterations;
-        const auto summary = minimize_path<Dim>(energy, start.path.x, minimizer);
+        std::optional<PathWindow<Dim>> window;
+        if (level >= window_level) window = PathWindow<Dim>::around(start.path, energy.first(), energy.last());
+        MinimizerSummary summary;
+        if (window) {
+            summary = minimize_on(*window, start.path, energy, mask, minimizer, folds);
+        } else {
+            adopt_transported_shapes(start.path, energy);
+            summary = minimize_path<Dim>(energy, start.path.x, minimizer);
+        }
         start.terms = summary.terms;
         start.termination = summary.termination;
         LevelReport report;
@@ -250,14 +280,7 @@ private:
     void certify(Start<Dim>& best) {
         constexpr int rounds = 3;
         for (int round = 0; round < rounds && min_det_of(best.path) <= 0; ++round) {
-            int folds = 0;
-            for (int k = 1; k <= best.path.layout.time_steps; ++k) {
-                std::array<double*, Dim> w;
-                for (int a = 0; a < Dim; ++a) {
-                    w[static_cast<std::size_t>(a)] = best.path.x.data() + best.path.layout.displacement(k, a);
-                }
-                folds += repair_folds<Dim>(best.path.layout.grid, w, 4 * PathEnergy<Dim>::least_det);
-            }
+            const int folds = repair_folds(best.path, 4 * PathEnergy<Dim>::least_det);
             solve(best, folds, options_.rim_width, options_.tolerance);
         }
     }

@@ -11,7 +11,7 @@ template <int Dim>
 double area_energy(const DyadicGrid<Dim>& grid, const double* u, double eps, double factor, double* gradient) {
     constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
-    const double inverse_h = grid.cells_per_axis();
+    const double inverse_h = grid.cells_per_unit();
     const double quadrature_weight = std::pow(grid.spacing(), Dim) / corners;
     double values[corners][corners], slopes[corners][corners][Dim];
     for (int q = 0; q < corners; ++q) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "geodesic/energy/area_energy.h"
+#include "geodesic/grid/node_loop.h"
 
 namespace morphodesic {
 
@@ -24,23 +25,6 @@ int slab_thickness(int cells) {
 template <class Body>
 void for_all(int count, const Body& body) {
     oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(0, count, body); });
-}
-
-template <int Dim, class T>
-void clear_boundary(const DyadicGrid<Dim>& grid, T* field) {
-    const int n = grid.nodes_per_axis();
-    const auto row = static_cast<std::size_t>(n);
-    const int planes = Dim == 3 ? n : 1;
-    for (int plane = 0; plane < planes; ++plane) {
-        T* base = field + static_cast<std::size_t>(plane) * row * row;
-        if (Dim == 3 && (plane == 0 || plane == n - 1)) {
-            std::fill(base, base + row * row, T{});
-            continue;
-        }
-        std::fill(base, base + row, T{});
-        std::fill(base + row * (row - 1), base + row * row, T{});
-        for (std::size_t j = 1; j + 1 < row; ++j) base[j * row] = base[j * row + row - 1] = T{};
-    }
 }
 
 }  // namespace
@@ -70,12 +54,12 @@ PathEnergy<Dim>::PathEnergy(const LevelSet<Dim>& first, const LevelSet<Dim>& las
         throw std::invalid_argument("PathEnergy: the shapes and the mask must live on one grid");
     }
     if (first.grid.level() < 3) throw std::invalid_argument("PathEnergy: level must be at least 3");
-    const int cells = first.grid.cells_per_axis();
+    const int cells = first.grid.cells(Dim - 1);
     const int thickness = slab_thickness<Dim>(cells);
     slabs_.resize(static_cast<std::size_t>(time_steps));
     for (auto& slabs : slabs_) {
         for (int begin = 0; begin < cells; begin += thickness) {
-            slabs.push_back({begin, begin + thickness, 0, 0, {}});
+            slabs.push_back({begin, std::min(begin + thickness, cells), 0, 0, {}});
         }
     }
 }
@@ -91,9 +75,10 @@ template <int Dim>
 template <class T>
 void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const Fields<T>& f, std::span<T> gradient,
                                     std::vector<T>& scatter) {
-    const int last_step = layout_.time_steps, cells = layout_.grid.cells_per_axis();
-    const std::size_t plane = layout_.nodes() / static_cast<std::size_t>(layout_.grid.nodes_per_axis());
+    const int last_step = layout_.time_steps, cells = layout_.grid.cells(Dim - 1);
+    const std::size_t plane = layout_.grid.stride(Dim - 1);
     kernels::StepFields<Dim, T> fields{};
+    std::copy(layout_.grid.cells().begin(), layout_.grid.cells().end(), fields.cells);
     kernels::StepGradients<Dim, T> out{};
     for (int a = 0; a < Dim; ++a) fields.displacement[a] = f.x + layout_.displacement(k, a);
     fields.u_previous = k == 1 ? f.first : f.x + layout_.level_set(k - 1);
@@ -114,10 +99,12 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
             const auto to = static_cast<std::size_t>(slab.end + 1) * plane;
             const auto [low, high] = std::minmax_element(w + from, w + to);
             const auto clamped = [&](double row) { return static_cast<int>(std::clamp(row, 0.0, 1.0 * cells)); };
-            slab.first_row = clamped(std::floor(slab.begin + static_cast<double>(*low) * cells));
+            slab.first_row =
+                clamped(std::floor(slab.begin + static_cast<double>(*low) * layout_.grid.cells_per_unit()));
             slab.first_row = std::min(slab.first_row, cells - 1);
             const int last_row =
-                std::max(clamped(std::floor(slab.end + static_cast<double>(*high) * cells) + 1), slab.first_row + 1);
+                std::max(clamped(std::floor(slab.end + static_cast<double>(*high) * layout_.grid.cells_per_unit()) + 1),
+                         slab.first_row + 1);
             slab.rows = last_row - slab.first_row + 1;
             scatter.assign(static_cast<std::size_t>(slab.rows) * plane, T{});
             out.u_next = scatter.data();
@@ -184,7 +171,7 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
     if (!std::isfinite(terms.total)) return terms;
 
     if (!gradient.empty()) {
-        const std::size_t plane = nodes / static_cast<std::size_t>(layout_.grid.nodes_per_axis());
+        const std::size_t plane = layout_.grid.stride(Dim - 1);
         for_all(steps, [&](int index) {
             const int k = index + 1;
             for (int a = 0; a < Dim; ++a) {
@@ -229,7 +216,7 @@ template <int Dim>
 PathTerms PathEnergy<Dim>::evaluate_single(std::span<const double> x, std::span<float> gradient) {
     assert(x.size() == layout_.size());
     assert(gradient.empty() || gradient.size() == layout_.size());
-    if (layout_.grid.level() < 4) {  // fewer cells in a row than lanes
+    if (layout_.grid.cells(0) % 16 != 0) {  // not whole vectors of single precision
         std::vector<double> twice(gradient.size());
         auto terms = evaluate(x, twice);
         std::copy(twice.begin(), twice.end(), gradient.begin());

@@ -136,7 +136,7 @@ template <int Dim, class View>
 double cell_bound(const DyadicGrid<Dim>& grid, const View& displacement, std::size_t node, double enough) {
     double w[Dim][1 << Dim];
     load_cell(grid, displacement, node, w);
-    const double inverse_h = grid.cells_per_axis();
+    const double inverse_h = grid.cells_per_unit();
     if constexpr (Dim == 2) {
         return least_corner<2>(w, inverse_h);
     } else {
@@ -149,12 +149,11 @@ double cell_bound(const DyadicGrid<Dim>& grid, const View& displacement, std::si
 /// visit(row of cells on the last axis, index of the first node of a cell)
 template <int Dim, class Visitor>
 void for_cells_of_row(const DyadicGrid<Dim>& grid, int row, Visitor&& visit) {
-    const int cells = grid.cells_per_axis();
     typename DyadicGrid<Dim>::Index i{};
     i[Dim - 1] = row;
-    for (int y = 0; y < (Dim == 3 ? cells : 1); ++y) {
+    for (int y = 0; y < (Dim == 3 ? grid.cells(1) : 1); ++y) {
         if (Dim == 3) i[1] = y;
-        for (i[0] = 0; i[0] < cells; ++i[0]) visit(grid.index(i));
+        for (i[0] = 0; i[0] < grid.cells(0); ++i[0]) visit(grid.index(i));
     }
 }
 
@@ -166,8 +165,8 @@ void for_rows(int count, const Body& body) {
 /// Cells whose bound is below the threshold.
 template <int Dim, class View>
 std::vector<std::size_t> bad_cells(const DyadicGrid<Dim>& grid, const View& displacement, double threshold) {
-    std::vector<std::vector<std::size_t>> per_row(static_cast<std::size_t>(grid.cells_per_axis()));
-    for_rows(grid.cells_per_axis(), [&](int row) {
+    std::vector<std::vector<std::size_t>> per_row(static_cast<std::size_t>(grid.cells(Dim - 1)));
+    for_rows(grid.cells(Dim - 1), [&](int row) {
         for_cells_of_row(grid, row, [&](std::size_t node) {
             if (!(cell_bound(grid, displacement, node, threshold) >= threshold))
                 per_row[static_cast<std::size_t>(row)].push_back(node);
@@ -176,6 +175,15 @@ std::vector<std::size_t> bad_cells(const DyadicGrid<Dim>& grid, const View& disp
     std::vector<std::size_t> all;
     for (const auto& row : per_row) all.insert(all.end(), row.begin(), row.end());
     return all;
+}
+
+/// Whether a node is the first one of a cell.
+template <int Dim>
+bool has_cell(const DyadicGrid<Dim>& grid, const typename DyadicGrid<Dim>::Index& i) {
+    for (int a = 0; a < Dim; ++a) {
+        if (i[static_cast<std::size_t>(a)] < 0 || i[static_cast<std::size_t>(a)] >= grid.cells(a)) return false;
+    }
+    return true;
 }
 
 /// Visits the indices low + [from, to] on every axis.
@@ -198,8 +206,8 @@ void for_box(const Index& low, int to, int from, Visitor&& visit) {
 
 template <int Dim>
 double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
-    std::vector<double> least(static_cast<std::size_t>(grid.cells_per_axis()), std::numeric_limits<double>::infinity());
-    for_rows(grid.cells_per_axis(), [&](int row) {
+    std::vector<double> least(static_cast<std::size_t>(grid.cells(Dim - 1)), std::numeric_limits<double>::infinity());
+    for_rows(grid.cells(Dim - 1), [&](int row) {
         double& bound = least[static_cast<std::size_t>(row)];
         for_cells_of_row(grid, row, [&](std::size_t node) {
             const double here = cell_bound(grid, displacement, node, bound);
@@ -216,16 +224,16 @@ double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>&
 template <int Dim>
 std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
     std::vector<double> cell(grid.node_count(), std::numeric_limits<double>::infinity());  // at the cell's first node
-    for_rows(grid.cells_per_axis(), [&](int row) {
+    for_rows(grid.cells(Dim - 1), [&](int row) {
         for_cells_of_row(grid, row, [&](std::size_t node) {
             double w[Dim][1 << Dim];
             load_cell(grid, displacement, node, w);
-            cell[node] = least_corner<Dim>(w, grid.cells_per_axis());
+            cell[node] = least_corner<Dim>(w, grid.cells_per_unit());
         });
     });
     // Axis after axis: the least of the two cells before and after the node.
-    std::size_t stride = 1;
-    for (int a = 0; a < Dim; ++a, stride *= static_cast<std::size_t>(grid.nodes_per_axis())) {
+    for (int a = 0; a < Dim; ++a) {
+        const std::size_t stride = grid.stride(a);
         for (std::size_t i = cell.size(); i-- > stride;) cell[i] = std::min(cell[i], cell[i - stride]);
     }
     return cell;
@@ -235,10 +243,8 @@ template <int Dim>
 int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold) {
     auto bad = bad_cells(grid, displacement, threshold);
     const int folded = static_cast<int>(bad.size());
-    const int n = grid.nodes_per_axis();
     std::array<std::size_t, Dim> stride;
-    stride[0] = 1;
-    for (std::size_t a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::size_t>(n);
+    for (std::size_t a = 0; a < Dim; ++a) stride[a] = grid.stride(static_cast<int>(a));
 
     constexpr int rounds = 60;
     std::vector<double> smoothed;
@@ -255,15 +261,13 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
         for (const std::size_t cell : bad) {
             const auto low = grid.node(cell);
             for_box(low, 1 + reach, -reach, [&](const auto& i) {  // nodes of the cell and `reach` beyond
-                for (const int c : i) {
-                    if (c <= 0 || c >= n - 1) return;
+                for (int a = 0; a < Dim; ++a) {
+                    if (i[static_cast<std::size_t>(a)] <= 0 || i[static_cast<std::size_t>(a)] >= grid.cells(a)) return;
                 }
                 list(nodes, node_seen, grid.index(i), round);
             });
             for_box(low, 1 + reach, -1 - reach, [&](const auto& i) {  // the cells these nodes belong to
-                for (const int c : i) {
-                    if (c < 0 || c >= n - 1) return;
-                }
+                if (!has_cell(grid, i)) return;
                 list(cells, cell_seen, grid.index(i), round);
             });
         }
@@ -293,10 +297,10 @@ int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& di
 template <int Dim>
 int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,
                  const std::array<float*, Dim>& change, double keep) {
-    const double inverse_h = grid.cells_per_axis();
-    const auto cells = static_cast<std::size_t>(grid.cells_per_axis()), nodes = cells + 1;
-    std::ptrdiff_t stride[Dim] = {1};
-    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::ptrdiff_t>(nodes);
+    const double inverse_h = grid.cells_per_unit();
+    const auto cells = static_cast<std::size_t>(grid.cells(0)), nodes = cells + 1;
+    std::ptrdiff_t stride[Dim];
+    for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
     const auto squeezed = [&](std::size_t node, std::size_t count, unsigned char* flag) {
         const double* w[Dim];
         const float* d[Dim];
@@ -311,7 +315,7 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
     std::vector<unsigned char> flag(cells);
     for (std::size_t row = 0; row < grid.node_count() / nodes; ++row) {
         const auto low = grid.node(row * nodes);
-        if (std::any_of(low.begin() + 1, low.end(), [&](int c) { return c == grid.cells_per_axis(); })) continue;
+        if (!has_cell(grid, low)) continue;
         squeezed(row * nodes, cells, flag.data());
         for (std::size_t i = 0; i < cells; ++i) {
             if (flag[i]) bad.push_back(row * nodes + i);
@@ -331,9 +335,7 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
                 for (float* d : change) d[node] *= 0.5F;
             });
             for_box(low, 1, -1, [&](const auto& i) {  // the cells these nodes belong to
-                for (const int c : i) {
-                    if (c < 0 || c >= grid.cells_per_axis()) return;
-                }
+                if (!has_cell(grid, i)) return;
                 const std::size_t at = grid.index(i);
                 if (std::exchange(cell_seen[at], round) != round) around.push_back(at);
             });

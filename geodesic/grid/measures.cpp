@@ -121,7 +121,7 @@ ShapeMeasures measure(const LevelSet<Dim>& u) {
             bool within = true;
             for (std::size_t a = 0; a < Dim; ++a) {
                 node[a] += static_cast<int>(o >> a & 1U);
-                within = within && node[a] < grid.nodes_per_axis();
+                within = within && node[a] < grid.nodes(static_cast<int>(a));
             }
             if (!within || !(u.values[grid.index(node)] > 0)) continue;
             if (last == 0) parent[root(grid.index(node))] = root(grid.index(first));

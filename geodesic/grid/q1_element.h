@@ -55,9 +55,9 @@ template <int Dim>
 Location<Dim> locate(const DyadicGrid<Dim>& grid, const std::type_identity_t<Point<Dim>>& x) {
     Location<Dim> at{};
     typename DyadicGrid<Dim>::Index cell{};
-    const int cells = grid.cells_per_axis();
     for (int a = 0; a < Dim; ++a) {
-        const double y = std::clamp(x[a] * cells, 0.0, 1.0 * cells);
+        const int cells = grid.cells(a);
+        const double y = std::clamp(x[a] * grid.cells_per_unit(), 0.0, 1.0 * cells);
         cell[a] = std::min(static_cast<int>(y), cells - 1);
         at.fraction[a] = y - cell[a];
     }
@@ -96,11 +96,10 @@ std::array<double, Count> values(const DyadicGrid<Dim>& grid, const std::array<c
 /// Visits every cell with the index of its first node.
 template <int Dim, class Visitor>
 void for_each_cell(const DyadicGrid<Dim>& grid, Visitor&& visit) {
-    const int cells = grid.cells_per_axis();
     typename DyadicGrid<Dim>::Index i{};
     for (std::size_t cell = 0; cell < grid.cell_count(); ++cell) {
         visit(grid.index(i));
-        for (int a = 0; a < Dim && ++i[a] == cells; ++a) i[a] = 0;
+        for (int a = 0; a < Dim && ++i[a] == grid.cells(a); ++a) i[a] = 0;
     }
 }
 

@@ -8,48 +8,46 @@ namespace morphodesic {
 
 template <int Dim, class Real>
 void add_prolonged(const DyadicGrid<Dim>& grid, const Real* coarse, Real* fine) {
-    const int n = grid.nodes_per_axis(), fine_n = 2 * n - 1;
-    const auto row = static_cast<std::ptrdiff_t>(n), fine_row = static_cast<std::ptrdiff_t>(fine_n);
-    std::vector<Real> line(static_cast<std::size_t>(n));
-    for (int z = 0; z < (Dim == 3 ? fine_n : 1); ++z) {
-        for (int y = 0; y < fine_n; ++y) {
+    const std::ptrdiff_t row = grid.nodes(0), rows = grid.nodes(1), fine_row = 2 * row - 1, fine_rows = 2 * rows - 1;
+    std::vector<Real> line(static_cast<std::size_t>(row));
+    for (int z = 0; z < (Dim == 3 ? 2 * grid.nodes(Dim - 1) - 1 : 1); ++z) {
+        for (int y = 0; y < fine_rows; ++y) {
             // Mean of the coarse rows around this fine row: one, two or four of them.
-            const Real* low = coarse + ((z / 2) * row + y / 2) * row;
+            const Real* low = coarse + ((z / 2) * rows + y / 2) * row;
             const Real* high = (y & 1) ? low + row : low;
-            const std::ptrdiff_t up = (z & 1) ? row * row : 0;
+            const std::ptrdiff_t up = (z & 1) ? rows * row : 0;
             for (std::ptrdiff_t x = 0; x < row; ++x) {
                 line[static_cast<std::size_t>(x)] = Real(0.25) * ((low[x] + high[x]) + (low[x + up] + high[x + up]));
             }
-            Real* out = fine + (z * fine_row + y) * fine_row;
+            Real* out = fine + (z * fine_rows + y) * fine_row;
             for (std::size_t x = 0; x + 1 < line.size(); ++x) {
                 out[2 * x] += line[x];
                 out[2 * x + 1] += Real(0.5) * (line[x] + line[x + 1]);
             }
-            out[fine_n - 1] += line.back();
+            out[fine_row - 1] += line.back();
         }
     }
 }
 
 template <int Dim, class Real>
 void restrict_residual(const DyadicGrid<Dim>& grid, const Real* fine, Real* coarse) {
-    const int n = grid.nodes_per_axis();
-    const auto row = static_cast<std::ptrdiff_t>(n), fine_row = static_cast<std::ptrdiff_t>(2 * n - 1);
+    const std::ptrdiff_t row = grid.nodes(0), rows = grid.nodes(1), fine_row = 2 * row - 1, fine_rows = 2 * rows - 1;
     std::fill(coarse, coarse + grid.node_count(), Real(0));
     std::vector<Real> line(static_cast<std::size_t>(fine_row));
     const int reach = Dim == 3 ? 1 : 0;
-    for (int z = Dim == 3 ? 1 : 0; z < (Dim == 3 ? n - 1 : 1); ++z) {
-        for (int y = 1; y < n - 1; ++y) {
+    for (int z = Dim == 3 ? 1 : 0; z < (Dim == 3 ? grid.cells(Dim - 1) : 1); ++z) {
+        for (int y = 1; y < rows - 1; ++y) {
             // Weighted sum of the fine rows around this coarse row, then along the row.
             std::fill(line.begin(), line.end(), Real(0));
             for (int dz = -reach; dz <= reach; ++dz) {
                 for (int dy = -1; dy <= 1; ++dy) {
                     const Real weight = (dy == 0 ? Real(1) : Real(0.5)) * (dz == 0 ? Real(1) : Real(0.5));
-                    const Real* from = fine + ((2 * z + dz) * fine_row + 2 * y + dy) * fine_row;
+                    const Real* from = fine + ((2 * z + dz) * fine_rows + 2 * y + dy) * fine_row;
                     for (std::ptrdiff_t x = 0; x < fine_row; ++x) line[static_cast<std::size_t>(x)] += weight * from[x];
                 }
             }
-            Real* out = coarse + (z * row + y) * row;
-            for (std::size_t x = 1; x + 1 < static_cast<std::size_t>(n); ++x) {
+            Real* out = coarse + (z * rows + y) * row;
+            for (std::size_t x = 1; x + 1 < static_cast<std::size_t>(row); ++x) {
                 out[x] = line[2 * x] + Real(0.5) * (line[2 * x - 1] + line[2 * x + 1]);
             }
         }

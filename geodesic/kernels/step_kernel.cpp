@@ -251,14 +251,13 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     using Index = hn::TFromD<decltype(di)>;
     const int lanes = static_cast<int>(hn::Lanes(d));
     constexpr int corners = 1 << Dim, points = 1 << Dim;
-    const int cells = 1 << s.level;
-    const std::ptrdiff_t n = cells + 1;
+    const int cells = f.cells[0], cells_per_unit = 1 << s.level;
     double quadrature_weight = 1.0 / points;
-    for (int a = 0; a < Dim; ++a) quadrature_weight /= cells;
+    for (int a = 0; a < Dim; ++a) quadrature_weight /= cells_per_unit;
 
     std::ptrdiff_t stride[Dim];
     stride[0] = 1;
-    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * n;
+    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * (f.cells[a - 1] + 1);
     std::ptrdiff_t corner_offset[corners];
     for (int c = 0; c < corners; ++c) {
         corner_offset[c] = 0;
@@ -270,13 +269,14 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     const bool with_next = with_gradient && g.u_next != nullptr;
 
     const V<D> one = all(d, 1.0), zero = hn::Zero(d);
-    const V<D> inverse_h = all(d, static_cast<double>(cells));
+    const V<D> inverse_h = all(d, static_cast<double>(cells_per_unit));
     const V<D> inverse_eps = all(d, 1.0 / s.eps);
     const V<D> delta_factor = all(d, inverse_pi / s.eps);
     const V<D> mu = all(d, s.mu), half_mu = all(d, 0.5 * s.mu);
     const V<D> quarter_lambda = all(d, 0.25 * s.lambda), half_lambda = all(d, 0.5 * s.lambda);
     const V<D> log_factor = all(d, s.mu + 0.5 * s.lambda);
-    const V<D> last_cell = all(d, static_cast<double>(cells - 1));
+    V<D> last_cell[Dim];
+    for (int a = 0; a < Dim; ++a) last_cell[a] = all(d, static_cast<double>(f.cells[a] - 1));
     const V<D> barrier_factor = all(d, quadrature_weight * s.barrier);
     const V<D> deformation_factor = all(d, quadrature_weight * s.deformation);
 
@@ -292,7 +292,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     HWY_ALIGN Index scatter_base[most_lanes];
     HWY_ALIGN T<D> scatter_value[corners][most_lanes];
 
-    const int middle_rows = Dim == 3 ? cells : 1;
+    const int middle_rows = Dim == 3 ? f.cells[1] : 1;
     for (int row = row_begin; row < row_end; ++row) {
         for (int middle = 0; middle < middle_rows; ++middle) {
             V<D> sum_deformation = zero, sum_mismatch = zero, sum_barrier = zero;
@@ -361,7 +361,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                             own = all(d, a == Dim - 1 ? row : middle);
                         }
                         const V<D> position = hn::MulAdd(displacement[a], inverse_h, all(d, gauss_coordinate(q, a)));
-                        const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(position), own), zero), last_cell);
+                        const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(position), own), zero), last_cell[a]);
                         fraction[a] = hn::Min(hn::Max(hn::Sub(position, hn::Sub(cell, own)), zero), one);
                         gather_index = hn::Add(
                             gather_index, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(stride[a]))));

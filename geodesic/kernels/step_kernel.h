@@ -2,12 +2,12 @@
 
 namespace morphodesic::kernels {
 
-/// T is double, or float for the minimiser: twice the lanes, half the memory. Levels 3 and finer; with float 4 and
-/// finer.
+/// T is double, or float for the minimiser: twice the lanes, half the memory.
 
-/// Fields of one time step k on a grid with n = 2^level + 1 nodes per axis, [n^Dim] each, axis 0 fastest.
+/// Fields of one time step k on a grid of so many cells per axis; [nodes] each, axis 0 fastest.
 template <int Dim, class T>
 struct StepFields {
+    int cells[Dim];              ///< on axis 0 a multiple of 8, with float of 16
     const T* displacement[Dim];  ///< phi_k - id, one array per component
     const T* u_previous;         ///< u_{k-1}
     const T* u_next;             ///< u_k
@@ -25,7 +25,7 @@ struct StepGradients {
 };
 
 struct StepWeights {
-    int level;           ///< L >= 3
+    int level;           ///< L: cells have the width 2^-L
     double lambda, mu;   ///< W, see stored_energy_density.h
     double delta;        ///< stiffness of the background in (13)
     double eps;          ///< width of H_eps

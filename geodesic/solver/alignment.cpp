@@ -85,13 +85,13 @@ public:
         constexpr int unknowns = angle_count + Dim;
         const Matrix<Dim> back = m.rotation.transpose();
         const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
-        const double volume = std::pow(a_.grid.spacing(), Dim), inverse_h = a_.grid.cells_per_axis();
+        const double volume = std::pow(a_.grid.spacing(), Dim), inverse_h = a_.grid.cells_per_unit();
         const auto offsets = q1::corner_offsets(a_.grid);
         double sum = 0.0;
         Eigen::Matrix<double, unknowns, 1> forces = Eigen::Matrix<double, unknowns, 1>::Zero();
         Eigen::Matrix<double, unknowns, unknowns> products = Eigen::Matrix<double, unknowns, unknowns>::Zero();
         // Row by row, so that H_eps is taken of many values at once.
-        const auto row_nodes = static_cast<std::size_t>(a_.grid.nodes_per_axis());
+        const auto row_nodes = static_cast<std::size_t>(a_.grid.nodes(0));
         std::vector<double> u(row_nodes), inside(row_nodes);
         std::vector<Vector<Dim>> slopes(gradient ? row_nodes : 0);
         for (std::size_t first = 0; first < target_.size(); first += row_nodes) {

@@ -55,22 +55,6 @@ void invert_at(const PathState<Dim>& path, int k, double share, const std::type_
 }
 
 template <int Dim>
-bool on_boundary(const DyadicGrid<Dim>& grid, std::size_t i) {
-    for (const int c : grid.node(i)) {
-        if (c == 0 || c == grid.cells_per_axis()) return true;
-    }
-    return false;
-}
-
-template <int Dim>
-int repair(PathState<Dim>& path) {
-    int folds = 0;
-    for (int k = 1; k <= path.layout.time_steps; ++k)
-        folds += repair_folds<Dim>(path.layout.grid, displacement_of(path, k));
-    return folds;
-}
-
-template <int Dim>
 const double* shape_of(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, int k) {
     if (k == 0) return first.values.data();
     if (k == path.layout.time_steps) return last.values.data();
@@ -78,6 +62,15 @@ const double* shape_of(const PathState<Dim>& path, const LevelSet<Dim>& first, c
 }
 
 }  // namespace
+
+template <int Dim>
+int repair_folds(PathState<Dim>& path, double threshold) {
+    int folds = 0;
+    for (int k = 1; k <= path.layout.time_steps; ++k) {
+        folds += repair_folds<Dim>(path.layout.grid, displacement_of(path, k), threshold);
+    }
+    return folds;
+}
 
 template <int Dim>
 PathState<Dim> blended_path(const LevelSet<Dim>& first, const LevelSet<Dim>& last, int time_steps) {
@@ -117,7 +110,7 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             for (std::size_t a = 0; a < Dim; ++a) end[a] = x[a] + w[a];
             // From both sides: carried along from the shape before, and pulled back from the shape after.
             between[i] = 0.5 * (q1::value(grid, before, x) + q1::value(grid, after, end));
-            const bool fixed = on_boundary(grid, i);
+            const bool fixed = grid.on_boundary(grid.node(i));
             for (int a = 0; a < Dim; ++a) {
                 const auto c = static_cast<std::size_t>(a);
                 fine.x[fine.layout.displacement(2 * k - 1, a) + i] = 0.5 * here[c];
@@ -125,13 +118,13 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             }
         });
     }
-    folds = repair(fine);
+    folds = repair_folds(fine);
     return fine;
 }
 
 template <int Dim>
 PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
-    PathState<Dim> fine{{DyadicGrid<Dim>(path.layout.grid.level() + 1), path.layout.time_steps}, {}};
+    PathState<Dim> fine{{path.layout.grid.finer(), path.layout.time_steps}, {}};
     fine.x.assign(fine.layout.size(), 0.0);
     const std::size_t coarse_nodes = path.layout.nodes(), fine_nodes = fine.layout.nodes();
     oneapi::tbb::this_task_arena::isolate([&] {
@@ -141,7 +134,7 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
                                        fine.x.data() + f * fine_nodes);
         });
     });
-    folds = repair(fine);
+    folds = repair_folds(fine);
     return fine;
 }
 
@@ -197,6 +190,7 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
 }
 
 #define MORPHODESIC_INSTANTIATE(Dim)                                                                              \
+    template int repair_folds<Dim>(PathState<Dim>&, double);                                                      \
     template PathState<Dim> blended_path<Dim>(const LevelSet<Dim>&, const LevelSet<Dim>&, int);                   \
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
                                                int&);                                                             \

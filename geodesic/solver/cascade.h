@@ -28,6 +28,10 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
 template <int Dim>
 PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds);
 
+/// repair_folds of every deformation. @return number of cells that folded
+template <int Dim>
+int repair_folds(PathState<Dim>& path, double threshold = 0.05);
+
 /// Replaces the shapes between by the best ones for the deformations of the path: along the trajectories H_eps(u_k) is
 /// blended linearly between H_eps(u_0), carried along by phi_k o ... o phi_1, and H_eps(u_K), pulled back by
 /// phi_K o ... o phi_{k+1}. That minimises the mismatch part of (14) exactly (it is quadratic in H_eps(u_k) along

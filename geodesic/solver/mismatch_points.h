@@ -27,7 +27,7 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, co
                              const DisplacementView<Dim>& w, double eps, Visitor&& visit) {
     constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
-    const double per_cell = grid.cells_per_axis(), far = 6.0 * eps;
+    const double per_cell = grid.cells_per_unit(), far = 6.0 * eps;
     MismatchPoint<Dim> p{};
     double shape[corners][corners];
     Point<Dim> gauss[corners];
@@ -39,7 +39,7 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, co
     for (std::size_t number = 0; number < grid.cell_count(); ++number) {
         p.node = grid.index(cell);
         const auto low = cell;
-        for (int a = 0; a < Dim && ++cell[static_cast<std::size_t>(a)] == grid.cells_per_axis(); ++a) {
+        for (int a = 0; a < Dim && ++cell[static_cast<std::size_t>(a)] == grid.cells(a); ++a) {
             cell[static_cast<std::size_t>(a)] = 0;
         }
         double u_from[corners];

@@ -15,36 +15,36 @@ namespace {
 
 constexpr int sweeps = 2;  // before and after the coarse correction
 constexpr float omega = 0.8F;
-constexpr int coarsest_level = 2, coarsest_sweeps = 12;
+constexpr int coarsest_cells = 4, coarsest_sweeps = 12;
 
 /// Grids of a V-cycle, fine to coarse.
 template <int Dim>
 std::vector<DyadicGrid<Dim>> grids_of_cycle(const DyadicGrid<Dim>& fine) {
-    std::vector<DyadicGrid<Dim>> grids;
-    for (int l = fine.level(); l >= std::min(coarsest_level, fine.level()); --l) grids.emplace_back(l);
+    std::vector<DyadicGrid<Dim>> grids{fine};
+    const auto is_large = [](const DyadicGrid<Dim>& grid) {
+        return std::any_of(grid.cells().begin(), grid.cells().end(), [](int n) { return n > coarsest_cells; });
+    };
+    while (grids.back().can_be_coarser() && is_large(grids.back())) grids.push_back(grids.back().coarser());
     return grids;
 }
 
 /// Entries before and after the nodes of a field, so that neighbours of boundary nodes can be read: one row or plane.
 template <int Dim>
 std::size_t padding_of(const DyadicGrid<Dim>& grid) {
-    return grid.node_count() / static_cast<std::size_t>(grid.nodes_per_axis());
+    return grid.stride(Dim - 1);
 }
 
 /// Mean of the fine values around each coarse node, with the weights of multilinear prolongation.
 template <int Dim>
 void average_to(const DyadicGrid<Dim>& coarse_grid, const float* fine, float* coarse) {
-    const DyadicGrid<Dim> fine_grid(coarse_grid.level() + 1);
+    const DyadicGrid<Dim> fine_grid = coarse_grid.finer();
     // P^T f at inner nodes sums 2^Dim shares; the boundary, where it is not defined, keeps the fine value.
     restrict_residual<Dim, float>(coarse_grid, fine, coarse);
     const float share = 1.0F / (1 << Dim);
     for (std::size_t i = 0; i < coarse_grid.node_count(); ++i) {
         auto at = coarse_grid.node(i);
-        bool inside = true;
-        for (int& c : at) {
-            inside = inside && c > 0 && c < coarse_grid.cells_per_axis();
-            c *= 2;
-        }
+        const bool inside = !coarse_grid.on_boundary(at);
+        for (int& c : at) c *= 2;
         coarse[i] = inside ? share * coarse[i] : fine[fine_grid.index(at)];
     }
 }
@@ -67,10 +67,9 @@ typename VCycleVectors<Dim>::Levels VCycleVectors<Dim>::take() {
 template <int Dim>
 kernels::Stencil<Dim> VCycle<Dim>::Level::stencil() const {
     kernels::Stencil<Dim> s{};
-    std::ptrdiff_t stride = 1;
-    for (int a = 0; a < Dim; ++a, stride *= grid.nodes_per_axis()) {
+    for (int a = 0; a < Dim; ++a) {
         s.edge[a] = edge[static_cast<std::size_t>(a)].data() + padding;
-        s.stride[a] = stride;
+        s.stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
     }
     s.diagonal = diagonal.data();
     for (std::size_t e = 0; e < mass.size(); ++e) {
@@ -105,28 +104,28 @@ VCycle<Dim>::VCycle(DyadicGrid<Dim> grid) {
 template <int Dim>
 void VCycle<Dim>::build(Level& level) {
     const auto& grid = level.grid;
-    const int n = grid.nodes_per_axis();
     const auto scale = static_cast<float>(std::pow(grid.spacing(), Dim - 2));
-    std::size_t stride[3] = {1, 1, 1};
-    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * static_cast<std::size_t>(n);
-    const int planes = Dim == 3 ? n : 1;
+    std::size_t stride[Dim];
+    for (int a = 0; a < Dim; ++a) stride[a] = grid.stride(a);
+    const int columns = grid.nodes(0), rows = grid.nodes(1), planes = Dim == 3 ? grid.nodes(Dim - 1) : 1;
     std::size_t i = 0;
     for (int z = 0; z < planes; ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x, ++i) {
+        for (int y = 0; y < rows; ++y) {
+            for (int x = 0; x < columns; ++x, ++i) {
                 const int at[3] = {x, y, z};
                 for (int a = 0; a < Dim; ++a) {
                     level.edge[static_cast<std::size_t>(a)][level.padding + i] =
-                        at[a] + 1 < n ? 0.5F * scale * (level.weight[i] + level.weight[i + stride[a]]) : 0.0F;
+                        at[a] < grid.cells(a) ? 0.5F * scale * (level.weight[i] + level.weight[i + stride[a]]) : 0.0F;
                 }
             }
         }
     }
     i = 0;
     for (int z = 0; z < planes; ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x, ++i) {
-                const bool inside = x > 0 && y > 0 && x < n - 1 && y < n - 1 && (Dim == 2 || (z > 0 && z < n - 1));
+        for (int y = 0; y < rows; ++y) {
+            for (int x = 0; x < columns; ++x, ++i) {
+                const bool inside =
+                    x > 0 && y > 0 && x < columns - 1 && y < rows - 1 && (Dim == 2 || (z > 0 && z < planes - 1));
                 float sum = 0.0F;
                 for (int a = 0; a < Dim; ++a) {
                     const float* e = level.edge[static_cast<std::size_t>(a)].data() + level.padding + i;

@@ -34,7 +34,7 @@ Point<Dim> newton_step(const Deformation<Dim>& phi, const std::type_identity_t<P
         const double* w = phi.displacement.components[static_cast<std::size_t>(i)].data();
         for (int j = 0; j < Dim; ++j) {
             for (int c = 0; c < (1 << Dim); ++c) {
-                m[i][j] += share * q1::shape_slope<Dim>(c, at.fraction, j) * grid.cells_per_axis() *
+                m[i][j] += share * q1::shape_slope<Dim>(c, at.fraction, j) * grid.cells_per_unit() *
                            w[at.node + offsets[static_cast<std::size_t>(c)]];
             }
         }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/kernels/heaviside_kernel.h"
 #include "geodesic/solver/mismatch_points.h"
@@ -157,7 +158,12 @@ void PathPreconditioner<Dim>::apply(std::span<float> vector) {
             for (std::size_t i = 0; i < nodes; ++i) u[i] *= inverse[i];
         });
     });
-    if (transport_) transport_->add_to(vector);
+    if (!transport_) return;
+    transport_->add_to(vector);
+    // The faces of a box stay; what is on them now may have been inside in frame 0, where moves are not zero.
+    for_indices(1, layout_.time_steps + 1, [&](int k) {
+        for (int a = 0; a < Dim; ++a) clear_boundary(layout_.grid, vector.data() + layout_.displacement(k, a));
+    });
 }
 
 template class PathPreconditioner<2>;

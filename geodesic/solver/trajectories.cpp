@@ -58,11 +58,11 @@ template <int Dim, class T>
 std::array<float, Dim> slope(const DyadicGrid<Dim>& grid, const std::array<int, Dim>& node, const T* field,
                              std::size_t i) {
     std::array<float, Dim> d;
-    const int cells = grid.cells_per_axis();
     std::size_t stride = 1;
-    for (std::size_t a = 0; a < Dim; ++a, stride *= static_cast<std::size_t>(grid.nodes_per_axis())) {
-        const std::size_t up = node[a] < cells ? stride : 0, down = node[a] > 0 ? stride : 0;
-        d[a] = static_cast<float>((field[i + up] - field[i - down]) * static_cast<T>(cells)) /
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const std::size_t up = node[a] < grid.cells(static_cast<int>(a)) ? stride : 0, down = node[a] > 0 ? stride : 0;
+        stride *= static_cast<std::size_t>(grid.nodes(static_cast<int>(a)));
+        d[a] = static_cast<float>((field[i + up] - field[i - down]) * static_cast<T>(grid.cells_per_unit())) /
                static_cast<float>((up ? 1 : 0) + (down ? 1 : 0));
     }
     return d;
@@ -70,11 +70,10 @@ std::array<float, Dim> slope(const DyadicGrid<Dim>& grid, const std::array<int, 
 
 template <int Dim>
 void for_each_node(const DyadicGrid<Dim>& grid, const auto& body) {
-    const int n = grid.nodes_per_axis();
     std::array<int, Dim> node{};
     for (std::size_t i = 0; i < grid.node_count(); ++i) {
         body(i, node);
-        for (std::size_t a = 0; a < Dim && ++node[a] == n; ++a) node[a] = 0;
+        for (std::size_t a = 0; a < Dim && ++node[a] == grid.nodes(static_cast<int>(a)); ++a) node[a] = 0;
     }
 }
 /// phi_k^-1 at a position, by damped fixed point iteration to 2 % of a cell.
@@ -112,7 +111,7 @@ Preimage<Dim> back_through(const DyadicGrid<Dim>& grid, const std::array<std::si
 template <int Dim>
 std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, const double* u, double eps) {
     const auto corners = q1::corner_offsets(grid);
-    const double per_cell = grid.cells_per_axis();
+    const double per_cell = grid.cells_per_unit();
     std::array<std::vector<float>, Dim> sum;
     for (auto& c : sum) c.assign(grid.node_count(), 0.0F);
     std::vector<float> weight(grid.node_count(), 0.0F);
@@ -249,7 +248,7 @@ Matrix<Dim> Trajectories<Dim>::jacobian_at(int k, std::size_t node, const Point<
             const float p = frame(k).origin[static_cast<std::size_t>(a)][node + corners[static_cast<std::size_t>(c)]];
             for (int b = 0; b < Dim; ++b) {
                 back(a, b) +=
-                    static_cast<float>(q1::shape_slope<Dim>(c, fraction, b) * layout_.grid.cells_per_axis()) * p;
+                    static_cast<float>(q1::shape_slope<Dim>(c, fraction, b) * layout_.grid.cells_per_unit()) * p;
             }
         }
     }

@@ -23,10 +23,11 @@ struct CellPlace {
 template <int Dim>
 CellPlace<Dim> place_of(const DyadicGrid<Dim>& grid, const std::array<float, Dim>& position) {
     CellPlace<Dim> p{};
-    const int cells = grid.cells_per_axis();
+    const auto per_unit = static_cast<float>(grid.cells_per_unit());
     typename DyadicGrid<Dim>::Index cell{};
     for (std::size_t a = 0; a < Dim; ++a) {
-        const float y = std::clamp(position[a] * static_cast<float>(cells), 0.0F, static_cast<float>(cells));
+        const int cells = grid.cells(static_cast<int>(a));
+        const float y = std::clamp(position[a] * per_unit, 0.0F, static_cast<float>(cells));
         cell[a] = std::min(static_cast<int>(y), cells - 1);
         p.fraction[a] = y - static_cast<float>(cell[a]);
     }

@@ -14,7 +14,7 @@ namespace {
 
 // Levels between the grid of the path and that of the moves. Moves are smooth; a rough move of a rim would not leave
 // the mismatch as it is. (Measured: 1, 2 and 3 take about the same number of iterations.)
-constexpr int coarser_by = 2;
+constexpr int coarser_by = 2, coarsest_level = 3;
 // The modes of time are not quite independent where only one frame resists; twice the stiffness keeps steps full.
 constexpr double rest_factor = 2.0;
 // Share of the stiffness inside that the background gets here. With its own, next to nothing, points of it would move
@@ -22,14 +22,18 @@ constexpr double rest_factor = 2.0;
 constexpr double background = 0.2;
 // The corrections overlap with those of phi_k and u_k one by one.
 constexpr double move_share = 0.5, level_share = 0.3;
+
+template <int Dim>
+DyadicGrid<Dim> grid_of_moves(DyadicGrid<Dim> grid) {
+    for (int i = 0; i < coarser_by && grid.level() > coarsest_level && grid.can_be_coarser(); ++i)
+        grid = grid.coarser();
+    return grid;
+}
 }  // namespace
 
 template <int Dim>
 TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
-    : layout_(layout),
-      coarse_(std::max(3, layout.grid.level() - coarser_by)),
-      trajectories_(layout, coarse_),
-      vectors_(coarse_) {
+    : layout_(layout), coarse_(grid_of_moves(layout.grid)), trajectories_(layout, coarse_), vectors_(coarse_) {
     const auto steps = static_cast<std::size_t>(layout.time_steps);
     level_unit_.assign(steps - 1, std::vector<float>(layout.nodes()));
     buffers_.assign(steps, std::vector<float>(coarse_.node_count() * width));
@@ -103,7 +107,7 @@ void TransportCorrection<Dim>::add_point(int k, const MismatchPoint<Dim>& p) {
                 for (int c = 0; c < (1 << Dim); ++c) {
                     d += q1::shape_slope<Dim>(c, p.fraction, b) * p.displacement[a][c];
                 }
-                e[b] -= p.there * p.slope[a] * d * grid.cells_per_axis();
+                e[b] -= p.there * p.slope[a] * d * grid.cells_per_unit();
             }
         }
         add_rest(k, k, p.node, p.fraction, e);
@@ -215,8 +219,7 @@ void TransportCorrection<Dim>::solve() {
     const double nodes_per_coarse = std::pow(2.0, Dim * (layout_.grid.level() - coarse_.level()));
     const auto level_scale = static_cast<float>(2.0 * level_share / (steps * nodes_per_coarse));
     for_nodes(coarse_, [&](std::size_t i) {
-        bool boundary = false;
-        for (const int c : coarse_.node(i)) boundary = boundary || c == 0 || c == coarse_.cells_per_axis();
+        const bool boundary = coarse_.on_boundary(coarse_.node(i));
         // z_k = v_1 + .. + v_k: the gradient in v_j collects those in z_k, k >= j.
         float tail[Dim] = {};
         for (std::size_t c = 0; c < Dim; ++c) {

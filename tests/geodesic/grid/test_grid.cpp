@@ -38,32 +38,48 @@ std::vector<double> noise(std::size_t size, unsigned seed) {
     return values;
 }
 
+/// The cube, and boxes of it.
+template <int Dim>
+std::vector<DyadicGrid<Dim>> cube_and_boxes(int level) {
+    const int cells = 1 << level;
+    typename DyadicGrid<Dim>::Index flat, tall;
+    flat.fill(cells / 4);
+    flat[0] = cells;
+    tall.fill(cells);
+    tall[0] = cells / 2;
+    tall[1] = 3 * cells / 4;
+    return {DyadicGrid<Dim>(level), DyadicGrid<Dim>(level, flat), DyadicGrid<Dim>(level, tall)};
+}
+
 TYPED_TEST(Grid, ProlongationIsExactOnLinearFunctions) {
     constexpr int dim = TypeParam::value;
-    const DyadicGrid<dim> coarse(3), fine(4);
-    const auto from = sampled<dim>(coarse, linear<dim>), to = sampled<dim>(fine, linear<dim>);
-    std::vector<double> result(fine.node_count(), 0.0);
-    add_prolonged<dim, double>(coarse, from.data(), result.data());
-    for (std::size_t i = 0; i < to.size(); ++i) ASSERT_NEAR(result[i], to[i], 1e-14);
+    for (const auto& coarse : cube_and_boxes<dim>(3)) {
+        const auto fine = coarse.finer();
+        ASSERT_EQ(fine.coarser(), coarse);
+        const auto from = sampled<dim>(coarse, linear<dim>), to = sampled<dim>(fine, linear<dim>);
+        std::vector<double> result(fine.node_count(), 0.0);
+        add_prolonged<dim, double>(coarse, from.data(), result.data());
+        for (std::size_t i = 0; i < to.size(); ++i) ASSERT_NEAR(result[i], to[i], 1e-14);
+    }
 }
 
 TYPED_TEST(Grid, RestrictionIsTheTransposeOfProlongation) {
     constexpr int dim = TypeParam::value;
-    const DyadicGrid<dim> coarse(3), fine(4);
-    auto c = noise(coarse.node_count(), 1);
-    const auto f = noise(fine.node_count(), 2);
-    for (std::size_t i = 0; i < c.size(); ++i) {  // zero boundary values, as in the V-cycle
-        for (const int at : coarse.node(i)) {
-            if (at == 0 || at == coarse.cells_per_axis()) c[i] = 0.0;
+    for (const auto& coarse : cube_and_boxes<dim>(3)) {
+        const auto fine = coarse.finer();
+        auto c = noise(coarse.node_count(), 1);
+        const auto f = noise(fine.node_count(), 2);
+        for (std::size_t i = 0; i < c.size(); ++i) {  // zero boundary values, as in the V-cycle
+            if (coarse.on_boundary(coarse.node(i))) c[i] = 0.0;
         }
+        std::vector<double> pc(f.size(), 0.0), tf(c.size());
+        add_prolonged<dim, double>(coarse, c.data(), pc.data());
+        restrict_residual<dim, double>(coarse, f.data(), tf.data());
+        double left = 0.0, right = 0.0;
+        for (std::size_t i = 0; i < f.size(); ++i) left += pc[i] * f[i];
+        for (std::size_t i = 0; i < c.size(); ++i) right += c[i] * tf[i];
+        EXPECT_NEAR(left, right, 1e-11 * std::abs(left));
     }
-    std::vector<double> pc(f.size(), 0.0), tf(c.size());
-    add_prolonged<dim, double>(coarse, c.data(), pc.data());
-    restrict_residual<dim, double>(coarse, f.data(), tf.data());
-    double left = 0.0, right = 0.0;
-    for (std::size_t i = 0; i < f.size(); ++i) left += pc[i] * f[i];
-    for (std::size_t i = 0; i < c.size(); ++i) right += c[i] * tf[i];
-    EXPECT_NEAR(left, right, 1e-11 * std::abs(left));
 }
 
 TYPED_TEST(Grid, RestrictionUndoesProlongation) {
@@ -78,19 +94,38 @@ TYPED_TEST(Grid, RestrictionUndoesProlongation) {
 
 TYPED_TEST(Grid, ValueOfQ1FunctionIsExactOnLinearFunctions) {
     constexpr int dim = TypeParam::value;
-    const DyadicGrid<dim> grid(3);
-    const auto field = sampled<dim>(grid, linear<dim>);
-    Point<dim> x;
-    x.fill(0.613);
-    x[0] = 0.117;
-    EXPECT_NEAR(q1::value(grid, field.data(), x), linear<dim>(x), 1e-14);
-    x.fill(1.0);
-    EXPECT_NEAR(q1::value(grid, field.data(), x), linear<dim>(x), 1e-14);
+    for (const auto& grid : cube_and_boxes<dim>(3)) {
+        const auto field = sampled<dim>(grid, linear<dim>);
+        Point<dim> x, beyond, corner;
+        for (int a = 0; a < dim; ++a) {
+            const auto at = static_cast<std::size_t>(a);
+            corner[at] = grid.cells(a) * grid.spacing();
+            beyond[at] = corner[at] + 0.1;
+            x[at] = 0.613 * corner[at];
+        }
+        x[0] = 0.117;
+        EXPECT_NEAR(q1::value(grid, field.data(), x), linear<dim>(x), 1e-14);
+        EXPECT_NEAR(q1::value(grid, field.data(), corner), linear<dim>(corner), 1e-14);
+        EXPECT_NEAR(q1::value(grid, field.data(), beyond), linear<dim>(corner), 1e-14);
+    }
 }
 
 TYPED_TEST(Grid, NodeAndIndexAreInverse) {
-    const DyadicGrid<TypeParam::value> grid(3);
-    for (std::size_t i = 0; i < grid.node_count(); ++i) ASSERT_EQ(grid.index(grid.node(i)), i);
+    constexpr int dim = TypeParam::value;
+    for (const auto& grid : cube_and_boxes<dim>(3)) {
+        std::size_t boundary = 0, cells = 0;
+        for (std::size_t i = 0; i < grid.node_count(); ++i) {
+            ASSERT_EQ(grid.index(grid.node(i)), i);
+            boundary += grid.on_boundary(grid.node(i)) ? 1 : 0;
+        }
+        std::size_t inner = 1;
+        for (int a = 0; a < dim; ++a) inner *= static_cast<std::size_t>(grid.cells(a) - 1);
+        EXPECT_EQ(boundary, grid.node_count() - inner);
+        q1::for_each_cell(grid, [&](std::size_t) { ++cells; });
+        EXPECT_EQ(cells, grid.cell_count());
+    }
+    EXPECT_TRUE(DyadicGrid<dim>(3).is_cube());
+    EXPECT_FALSE(cube_and_boxes<dim>(3)[1].is_cube());
 }
 
 template <int Dim>
@@ -305,8 +340,11 @@ TYPED_TEST(Grid, VCycleIsStiffAcrossTheContourOnly) {
 TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
     // Richardson iteration with the V-cycle on the Laplacian: the residual falls by a factor that does not grow with L.
     constexpr int dim = TypeParam::value;
+    std::vector<DyadicGrid<dim>> grids;
     for (const int level : dim == 2 ? std::vector<int>{4, 5, 6, 7} : std::vector<int>{3, 4, 5}) {
-        const DyadicGrid<dim> grid(level);
+        for (const auto& grid : cube_and_boxes<dim>(level)) grids.push_back(grid);
+    }
+    for (const auto& grid : grids) {
         const std::vector<float> weight(grid.node_count(), 1.0F);
         typename VCycle<dim>::Mass mass;
         for (auto& m : mass) m.assign(grid.node_count(), 0.0F);
@@ -317,13 +355,11 @@ TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
         const double scale = std::pow(grid.spacing(), dim - 2);
         const auto apply = [&](const std::vector<double>& x) {
             std::vector<double> y(x.size(), 0.0);
-            std::size_t stride[3] = {1, 1, 1};
-            for (int a = 1; a < dim; ++a) stride[a] = stride[a - 1] * static_cast<std::size_t>(grid.nodes_per_axis());
             for (std::size_t i = 0; i < x.size(); ++i) {
-                bool inside = true;
-                for (const int c : grid.node(i)) inside = inside && c > 0 && c < grid.cells_per_axis();
-                if (!inside) continue;
-                for (int a = 0; a < dim; ++a) y[i] += scale * (2 * x[i] - x[i + stride[a]] - x[i - stride[a]]);
+                if (grid.on_boundary(grid.node(i))) continue;
+                for (int a = 0; a < dim; ++a) {
+                    y[i] += scale * (2 * x[i] - x[i + grid.stride(a)] - x[i - grid.stride(a)]);
+                }
             }
             return y;
         };
@@ -347,7 +383,8 @@ TYPED_TEST(Grid, VCycleContractsTheErrorOnEveryLevelAlike) {
                 for (std::size_t i = 0; i < x[c].size(); ++i) x[c][i] += correction[c][i];
             }
         }
-        EXPECT_LT(after, 0.15 * before) << "level " << level;  // over two cycles
+        EXPECT_LT(after, 0.15 * before) << "level " << grid.level() << ", " << grid.cells(0) << " x " << grid.cells(1)
+                                        << " cells";  // over two cycles
     }
 }
 
