@@ -12,8 +12,9 @@ namespace morphodesic::pipeline {
 /// Bytes of one shape that is kept on this level (doubles).
 [[nodiscard]] std::size_t bytes_of_shape(int dimension, int level);
 
-/// What the program takes without any shape or pair: code, libraries, threads (measured, see pipeline/COST.md).
-inline constexpr std::size_t bytes_of_program = std::size_t{112} << 20;
+/// What the program takes without any shape or pair: code, libraries, threads, pictures and report (measured, see
+/// pipeline/COST.md).
+inline constexpr std::size_t bytes_of_program = std::size_t{160} << 20;
 
 /// How a study uses the memory it may take.
 struct MemoryPlan {

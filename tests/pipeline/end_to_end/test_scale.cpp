@@ -215,7 +215,7 @@ TEST(Memory, IsSaidBeforeAndLimitsThePairsAtOnce) {
         morphodesic(quick({"run", (folder / "disks").string(), "--memory", "1G", "--threads", "2", "--paths", "none"}));
     EXPECT_EQ(roomy.code, 0) << roomy.err;
     EXPECT_THAT(roomy.err, HasSubstr("2 pairs at once"));
-    const Outcome tight = morphodesic(quick({"run", (folder / "disks").string(), "--memory", "112.9M", "--threads", "8",
+    const Outcome tight = morphodesic(quick({"run", (folder / "disks").string(), "--memory", "160.9M", "--threads", "8",
                                              "--paths", "none", "--out", (folder / "tight").string()}));
     EXPECT_EQ(tight.code, 0) << tight.err;
     EXPECT_THAT(tight.err, HasSubstr("at once"));
