@@ -120,15 +120,19 @@ private:
         std::copy(old.begin(), old.end(), path.x.begin() + static_cast<std::ptrdiff_t>(path.layout.level_set(1)));
     }
 
+    static MinimizerSummary minimize(PathState<Dim>& path, PathEnergy<Dim>& energy, const MinimizerOptions& options) {
+        adopt_transported_shapes(path, energy);
+        return minimize_path<Dim>(energy, path.x, options);
+    }
+
     /// The same, on a window. @return the terms of the whole path
-    MinimizerSummary minimize_on(const PathWindow<Dim>& window, PathState<Dim>& path, PathEnergy<Dim>& energy,
-                                 const ScalarField<Dim>& mask, const MinimizerOptions& minimizer, int& folds) {
+    static MinimizerSummary minimize_on(const PathWindow<Dim>& window, PathState<Dim>& path, PathEnergy<Dim>& energy,
+                                        const ScalarField<Dim>& mask, const MinimizerOptions& minimizer, int& folds) {
         PathEnergy<Dim> part_energy(window.cut_out(energy.first()), window.cut_out(energy.last()),
                                     path.layout.time_steps, energy.options(),
                                     mask.values.empty() ? mask : window.cut_out(mask));
         auto part = window.cut_out(path);
-        adopt_transported_shapes(part, part_energy);
-        auto summary = minimize_path<Dim>(part_energy, part.x, minimizer);
+        auto summary = minimize(part, part_energy, minimizer);
         window.put_back(part, path);
         summary.terms = energy.evaluate(path.x, {});
         if (!std::isfinite(summary.terms.total)) {  // across the faces of the window
@@ -151,13 +155,8 @@ private:
         minimizer.max_iterations = options_.max_iterations;
         std::optional<PathWindow<Dim>> window;
         if (level >= window_level) window = PathWindow<Dim>::around(start.path, energy.first(), energy.last());
-        MinimizerSummary summary;
-        if (window) {
-            summary = minimize_on(*window, start.path, energy, mask, minimizer, folds);
-        } else {
-            adopt_transported_shapes(start.path, energy);
-            summary = minimize_path<Dim>(energy, start.path.x, minimizer);
-        }
+        const auto summary = window ? minimize_on(*window, start.path, energy, mask, minimizer, folds)
+                                    : minimize(start.path, energy, minimizer);
         start.terms = summary.terms;
         start.termination = summary.termination;
         LevelReport report;

@@ -1,8 +1,5 @@
 #include "geodesic/energy/path_energy.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -20,11 +17,6 @@ namespace {
 template <int Dim>
 int slab_thickness(int cells) {
     return Dim == 2 ? std::min(cells, 16) : std::min(cells, 4);
-}
-
-template <class Body>
-void for_all(int count, const Body& body) {
-    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(0, count, body); });
 }
 
 }  // namespace
@@ -161,7 +153,7 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
     // Neighbouring slabs share a row of nodes: even slabs first, then odd ones.
     for (int colour = 0; colour < 2; ++colour) {
         const int coloured = (slab_count + 1 - colour) / 2;
-        for_all(steps * coloured, [&](int task) {
+        for_indices(0, steps * coloured, [&](int task) {
             const auto k = static_cast<std::size_t>(task / coloured);
             const auto s = static_cast<std::size_t>(2 * (task % coloured) + colour);
             evaluate_slab<T>(task / coloured + 1, slabs_[k][s], colour == 1, fields, gradient, scatter[k][s]);
@@ -172,7 +164,7 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
 
     if (!gradient.empty()) {
         const std::size_t plane = layout_.grid.stride(Dim - 1);
-        for_all(steps, [&](int index) {
+        for_indices(0, steps, [&](int index) {
             const int k = index + 1;
             for (int a = 0; a < Dim; ++a) {
                 clear_boundary<Dim, T>(layout_.grid, gradient.data() + layout_.displacement(k, a));
@@ -216,7 +208,7 @@ template <int Dim>
 PathTerms PathEnergy<Dim>::evaluate_single(std::span<const double> x, std::span<float> gradient) {
     assert(x.size() == layout_.size());
     assert(gradient.empty() || gradient.size() == layout_.size());
-    if (layout_.grid.cells(0) % 16 != 0) {  // not whole vectors of single precision
+    if (layout_.grid.cells(0) % kernels::single_lanes != 0) {  // not whole vectors of single precision
         std::vector<double> twice(gradient.size());
         auto terms = evaluate(x, twice);
         std::copy(twice.begin(), twice.end(), gradient.begin());
@@ -228,7 +220,7 @@ PathTerms PathEnergy<Dim>::evaluate_single(std::span<const double> x, std::span<
         single_mask_.assign(mask_.values.begin(), mask_.values.end());
         single_x_.resize(layout_.size());
     }
-    for_all(layout_.field_count(), [&](int field) {
+    for_indices(0, layout_.field_count(), [&](int field) {
         const auto from = layout_.nodes() * static_cast<std::size_t>(field);
         for (std::size_t i = from; i < from + layout_.nodes(); ++i) single_x_[i] = static_cast<float>(x[i]);
     });

@@ -1,14 +1,12 @@
 #include "geodesic/grid/injectivity.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/kernels/vector_kernels.h"
 
@@ -157,16 +155,11 @@ void for_cells_of_row(const DyadicGrid<Dim>& grid, int row, Visitor&& visit) {
     }
 }
 
-template <class Body>
-void for_rows(int count, const Body& body) {
-    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(0, count, body); });
-}
-
 /// Cells whose bound is below the threshold.
 template <int Dim, class View>
 std::vector<std::size_t> bad_cells(const DyadicGrid<Dim>& grid, const View& displacement, double threshold) {
     std::vector<std::vector<std::size_t>> per_row(static_cast<std::size_t>(grid.cells(Dim - 1)));
-    for_rows(grid.cells(Dim - 1), [&](int row) {
+    for_indices(0, grid.cells(Dim - 1), [&](int row) {
         for_cells_of_row(grid, row, [&](std::size_t node) {
             if (!(cell_bound(grid, displacement, node, threshold) >= threshold))
                 per_row[static_cast<std::size_t>(row)].push_back(node);
@@ -207,7 +200,7 @@ void for_box(const Index& low, int to, int from, Visitor&& visit) {
 template <int Dim>
 double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
     std::vector<double> least(static_cast<std::size_t>(grid.cells(Dim - 1)), std::numeric_limits<double>::infinity());
-    for_rows(grid.cells(Dim - 1), [&](int row) {
+    for_indices(0, grid.cells(Dim - 1), [&](int row) {
         double& bound = least[static_cast<std::size_t>(row)];
         for_cells_of_row(grid, row, [&](std::size_t node) {
             const double here = cell_bound(grid, displacement, node, bound);
@@ -224,7 +217,7 @@ double det_lower_bound(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>&
 template <int Dim>
 std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement) {
     std::vector<double> cell(grid.node_count(), std::numeric_limits<double>::infinity());  // at the cell's first node
-    for_rows(grid.cells(Dim - 1), [&](int row) {
+    for_indices(0, grid.cells(Dim - 1), [&](int row) {
         for_cells_of_row(grid, row, [&](std::size_t node) {
             double w[Dim][1 << Dim];
             load_cell(grid, displacement, node, w);

@@ -54,14 +54,14 @@ void invert_at(const PathState<Dim>& path, int k, double share, const std::type_
     }
 }
 
+}  // namespace
+
 template <int Dim>
 const double* shape_of(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, int k) {
     if (k == 0) return first.values.data();
     if (k == path.layout.time_steps) return last.values.data();
     return path.x.data() + path.layout.level_set(k);
 }
-
-}  // namespace
 
 template <int Dim>
 int repair_folds(PathState<Dim>& path, double threshold) {
@@ -190,6 +190,7 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
 }
 
 #define MORPHODESIC_INSTANTIATE(Dim)                                                                              \
+    template const double* shape_of<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, int); \
     template int repair_folds<Dim>(PathState<Dim>&, double);                                                      \
     template PathState<Dim> blended_path<Dim>(const LevelSet<Dim>&, const LevelSet<Dim>&, int);                   \
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \

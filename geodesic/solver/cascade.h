@@ -14,6 +14,10 @@ struct PathState {
     std::vector<double> x;  ///< PathLayout order
 };
 
+/// u_k, k = 0..K.
+template <int Dim>
+const double* shape_of(const PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, int k);
+
 /// phi = id, u_k blended linearly between the two shapes.
 template <int Dim>
 PathState<Dim> blended_path(const LevelSet<Dim>& first, const LevelSet<Dim>& last, int time_steps);

@@ -12,7 +12,7 @@ namespace {
 template <int Dim>
 constexpr double room = Dim == 2 ? 0.08 : 0.16;
 // A box has whole vectors of cells on axis 0, and halves well: up to so many units of cells on each axis.
-constexpr int vector_cells = 16, units = 8;
+constexpr int units = 8;
 // A larger share of the cube is not worth it.
 constexpr double largest_share = 0.8;
 
@@ -27,9 +27,7 @@ std::optional<PathWindow<Dim>> PathWindow<Dim>::around(const PathState<Dim>& pat
     low.fill(cells);
     high.fill(0);
     for (int k = 0; k <= steps; ++k) {
-        const double* u = k == 0       ? first.values.data()
-                          : k == steps ? last.values.data()
-                                       : path.x.data() + path.layout.level_set(k);
+        const double* u = shape_of(path, first, last, k);
         for (std::size_t row = 0; row < cube.node_count(); row += cube.stride(1)) {
             const double *begin = u + row, *end = begin + cube.nodes(0);
             const auto inside = [](double v) { return v > 0; };
@@ -50,7 +48,7 @@ std::optional<PathWindow<Dim>> PathWindow<Dim>::around(const PathState<Dim>& pat
     double share = 1.0;
     Index size{};
     for (std::size_t a = 0; a < Dim; ++a) {
-        const int unit = std::max(cells / units, a == 0 ? vector_cells : 1);
+        const int unit = std::max(cells / units, a == 0 ? kernels::single_lanes : 1);
         const int needed = std::max(high[a] - low[a], 0) + 2 * margin;
         size[a] = std::min((needed + unit - 1) / unit * unit, cells);
         low[a] = std::clamp((low[a] + high[a] - size[a]) / 2, 0, cells - size[a]);

@@ -136,9 +136,7 @@ struct Displacement {
         for (std::size_t a = 0; a < Dim; ++a) {
             w[a] = noise(grid.node_count(), seed + static_cast<unsigned>(a));
             for (std::size_t i = 0; i < w[a].size(); ++i) {
-                bool inside = true;
-                for (const int c : grid.node(i)) inside = inside && c > 0 && c < grid.cells_per_axis();
-                w[a][i] *= inside ? amplitude * grid.spacing() : 0.0;
+                w[a][i] *= grid.on_boundary(grid.node(i)) ? 0.0 : amplitude * grid.spacing();
             }
         }
     }
@@ -287,9 +285,7 @@ TYPED_TEST(Grid, VCycleIsSymmetricPositiveDefinite) {
         a[c] = noise(grid.node_count(), static_cast<unsigned>(1 + 2 * c));
         b[c] = noise(grid.node_count(), static_cast<unsigned>(2 + 2 * c));
         for (std::size_t i = 0; i < a[c].size(); ++i) {
-            for (const int at : grid.node(i)) {
-                if (at == 0 || at == grid.cells_per_axis()) a[c][i] = b[c][i] = 0.0;
-            }
+            if (grid.on_boundary(grid.node(i))) a[c][i] = b[c][i] = 0.0;
         }
     }
     VCycleVectors<dim> vectors(grid);

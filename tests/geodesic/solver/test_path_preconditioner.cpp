@@ -36,8 +36,7 @@ std::vector<float> random_gradient(const PathLayout<Dim>& layout, unsigned seed)
     std::vector<float> g(layout.size());
     for (float& v : g) v = uniform(random);
     for (std::size_t i = 0; i < layout.nodes(); ++i) {
-        bool boundary = false;
-        for (const int c : layout.grid.node(i)) boundary = boundary || c == 0 || c == layout.grid.cells_per_axis();
+        const bool boundary = layout.grid.on_boundary(layout.grid.node(i));
         if (!boundary) continue;
         for (int k = 1; k <= layout.time_steps; ++k) {
             for (int a = 0; a < Dim; ++a) g[layout.displacement(k, a) + i] = 0.0F;
@@ -60,8 +59,7 @@ TYPED_TEST(PathPreconditionerIn, IsSymmetricAndPositiveAndKeepsTheBoundary) {
     EXPECT_NEAR(dot(a, pb), dot(b, pa), 1e-4 * scale);
     EXPECT_GT(dot(a, pa), 0.0);
     for (std::size_t i = 0; i < layout.nodes(); ++i) {
-        bool boundary = false;
-        for (const int c : layout.grid.node(i)) boundary = boundary || c == 0 || c == layout.grid.cells_per_axis();
+        const bool boundary = layout.grid.on_boundary(layout.grid.node(i));
         for (int k = 1; boundary && k <= layout.time_steps; ++k) {
             for (int c = 0; c < Dim; ++c) ASSERT_EQ(pa[layout.displacement(k, c) + i], 0.0F);
         }

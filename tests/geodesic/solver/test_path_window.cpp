@@ -33,6 +33,8 @@ struct Problem {
     LevelSet<Dim> last = tests::ball<Dim>(level_of(Dim), 0.12, point<Dim>(0.32, 0.28));
     PathState<Dim> path = blended_path(first, last, 2);
     PathWindow<Dim> window = PathWindow<Dim>::around(path, first, last).value();
+    PathEnergy<Dim> whole{first, last, 2, GeodesicOptions{}};
+    PathEnergy<Dim> part{window.cut_out(first), window.cut_out(last), 2, GeodesicOptions{}};
 
     Problem() {
         const auto& layout = path.layout;
@@ -96,17 +98,14 @@ TYPED_TEST(PathWindowIn, WhatIsCutOutComesBack) {
 TYPED_TEST(PathWindowIn, GradientIsThatOfTheWholeCubeAwayFromItsFaces) {
     constexpr int dim = TypeParam::value;
     Problem<dim> problem;
-    PathEnergy<dim> whole(problem.first, problem.last, 2, GeodesicOptions{});
-    PathEnergy<dim> part(problem.window.cut_out(problem.first), problem.window.cut_out(problem.last), 2,
-                         GeodesicOptions{});
     std::vector<double> gradient(problem.path.x.size());
-    whole.evaluate(problem.path.x, gradient);
+    problem.whole.evaluate(problem.path.x, gradient);
     const auto from_whole = problem.window.cut_out(PathState<dim>{problem.path.layout, gradient});
     const auto path = problem.window.cut_out(problem.path);
     auto of_part = path;
-    part.evaluate(path.x, of_part.x);
+    problem.part.evaluate(path.x, of_part.x);
     std::vector<float> single(path.x.size());
-    part.evaluate_single(path.x, single);
+    problem.part.evaluate_single(path.x, single);
     const auto& layout = path.layout;
     double largest = 0.0;
     for (const double g : of_part.x) largest = std::max(largest, std::abs(g));
@@ -129,14 +128,11 @@ TYPED_TEST(PathWindowIn, GradientIsThatOfTheWholeCubeAwayFromItsFaces) {
 TYPED_TEST(PathWindowIn, MinimiserLowersTheEnergyOfTheWholePathAndKeepsTheFaces) {
     constexpr int dim = TypeParam::value;
     Problem<dim> problem;
-    PathEnergy<dim> whole(problem.first, problem.last, 2, GeodesicOptions{});
-    PathEnergy<dim> part(problem.window.cut_out(problem.first), problem.window.cut_out(problem.last), 2,
-                         GeodesicOptions{});
-    const double before = whole.evaluate(problem.path.x, {}).total;
+    const double before = problem.whole.evaluate(problem.path.x, {}).total;
     auto path = problem.window.cut_out(problem.path);
     const auto start = path;
     MinimizerOptions options;
-    const auto summary = minimize_path<dim>(part, path.x, options);
+    const auto summary = minimize_path<dim>(problem.part, path.x, options);
     EXPECT_EQ(summary.termination, Termination::converged);
     for (int k = 1; k <= 2; ++k) {
         for (int a = 0; a < dim; ++a) {
@@ -147,7 +143,7 @@ TYPED_TEST(PathWindowIn, MinimiserLowersTheEnergyOfTheWholePathAndKeepsTheFaces)
         }
     }
     problem.window.put_back(path, problem.path);
-    const auto after = whole.evaluate(problem.path.x, {});
+    const auto after = problem.whole.evaluate(problem.path.x, {});
     EXPECT_LT(after.total, 0.5 * before);
     EXPECT_GT(after.min_det, 0.0);
 }
