@@ -2,6 +2,10 @@
 
 namespace morphodesic {
 
+namespace {
+constexpr double largest_weight = 1e9;
+}
+
 std::vector<std::string> GeodesicOptions::problems() const {
     std::vector<std::string> found;
     const auto require = [&](bool holds, const char* sentence) {
@@ -10,13 +14,16 @@ std::vector<std::string> GeodesicOptions::problems() const {
     require(level >= 3 && level <= 10, "level must be between 3 and 10");
     require(time_steps >= 1 && time_steps <= 256 && (time_steps & (time_steps - 1)) == 0,
             "steps must be a power of two between 1 and 256");
-    require(mismatch_weight_per_step > 0, "mismatch-weight-per-step must be positive");
-    require(mismatch_weight >= 0, "mismatch-weight must not be negative");
-    require(lambda >= 0, "lambda must not be negative");
-    require(mu > 0, "mu must be positive");
-    require(outside_stiffness > 0 && outside_stiffness <= 1, "outside-stiffness must lie in (0, 1]");
+    // Energies are computed in single precision: beyond these weights one term is all that is left of the others.
+    require(mismatch_weight_per_step > 0 && mismatch_weight_per_step <= largest_weight,
+            "mismatch-weight-per-step must be positive and at most 1e9");
+    require(mismatch_weight >= 0 && mismatch_weight <= largest_weight, "mismatch-weight must lie in [0, 1e9]");
+    require(lambda >= 0 && lambda <= largest_weight, "lambda must lie in [0, 1e9]");
+    require(mu >= 1 / largest_weight && mu <= largest_weight, "mu must lie in [1e-9, 1e9]");
+    require(outside_stiffness >= 1 / largest_weight && outside_stiffness <= 1,
+            "outside-stiffness must lie in [1e-9, 1]");
     require(rim_width >= 0.25 && rim_width <= 4, "rim-width must lie in [0.25, 4]");
-    require(area_weight >= 0, "area-weight must not be negative");
+    require(area_weight >= 0 && area_weight <= largest_weight, "area-weight must lie in [0, 1e9]");
     require(tolerance > 0 && tolerance < 1, "tolerance must lie in (0, 1)");
     require(max_iterations > 0, "max-iterations must be positive");
     require(align == "rigid" || align == "translation" || align == "none", "align must be rigid, translation or none");

@@ -80,7 +80,10 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     };
     PathTerms terms = evaluate(x, gradient);
     summary.evaluations = 1;
-    if (!std::isfinite(terms.total)) throw std::invalid_argument("minimize_path: the start folds (infinite energy)");
+    if (!std::isfinite(terms.total))
+        throw std::invalid_argument(
+            "the energy of the first guess is infinite: the weights are too far apart (lambda, mu, mismatch-weight, "
+            "outside-stiffness), or a deformation folds");
 
     PathPreconditioner<Dim> preconditioner(energy);
     LbfgsHistory history(x.size(), options.history);
@@ -105,6 +108,10 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
             history.clear();
             slope = find_direction();
+        }
+        if (!std::isfinite(slope)) {  // the energy cannot be told in single precision: no step may be made of it
+            summary.termination = Termination::no_descent;
+            break;
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
         if (-slope <= rounding * terms.total || terms.total < vanishing) {
