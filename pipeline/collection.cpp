@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "pipeline/digest.h"
@@ -17,6 +18,8 @@ namespace morphodesic::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* files_to_read = "files_to_read";  // fact: how many; "0" once all were
 
 std::string exact(double x) {
     char buffer[32];
@@ -149,26 +152,42 @@ std::string size_warning_of(const Collection& collection) {
     return size_warning(sizes);
 }
 
-/// The scale of the collection: the frozen one where all shapes fit, else a new one.
-double settle_scale(const Collection& collection, const std::string& scale_key, ResultStore& store,
-                    std::vector<std::string>& remarks) {
+/// What a frozen scale belongs to: the options that decide what is read. Limits only decide whether.
+std::string scale_key_of(datasets::ImportOptions options) {
+    const datasets::ImportOptions defaults;
+    options.max_megabytes = defaults.max_megabytes;
+    options.max_megapixels = defaults.max_megapixels;
+    return "common_scale of " + digest(canonical_text(options));
+}
+
+/// The scale of the collection: the frozen one where all shapes fit, else a new one. One is kept for each way of
+/// reading, so that whoever comes back to the options of before finds the distances of before.
+double settle_scale(const Collection& collection, ResultStore& store, std::vector<std::string>& remarks) {
     std::vector<double> radii;
     for (const CollectionEntry& entry : collection.entries) {
         if (entry.row.problem.empty()) radii.push_back(entry.row.extent_radius);
     }
     if (radii.empty()) return 0.0;
     const double needed = datasets::common_scale(radii);
-    const auto frozen = store.fact("common_scale");
-    if (frozen && store.fact("common_scale_key") == scale_key) {
+    const std::string key = scale_key_of(collection.import);
+    auto frozen = store.fact(key);
+    // Studies of older programs have one scale only.
+    if (!frozen && store.fact("common_scale_key") == canonical_text(collection.import)) {
+        frozen = store.fact("common_scale");
+    }
+    const auto settle = [&](double scale) {
+        store.set_fact("common_scale", exact(scale));
+        store.set_fact(key, exact(scale));
+        return scale;
+    };
+    if (frozen) {
         const double scale = exact_from(*frozen);
-        if (scale <= needed * (1 + 1e-12)) return scale;
+        if (scale <= needed * (1 + 1e-12)) return settle(scale);
         remarks.push_back(
             "A new shape is larger than all before and does not fit at the scale of this study; all shapes "
             "are placed at a smaller scale and all pairs are computed anew.");
     }
-    store.set_fact("common_scale", exact(needed));
-    store.set_fact("common_scale_key", scale_key);
-    return needed;
+    return settle(needed);
 }
 
 }  // namespace
@@ -218,8 +237,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
     std::string warning;
     if (settings.normalize == "common") {
-        collection.placement.scale =
-            settle_scale(collection, canonical_text(settings.import), store, collection.remarks);
+        collection.placement.scale = settle_scale(collection, store, collection.remarks);
         warning = size_warning_of(collection);
         if (!warning.empty()) collection.remarks.push_back(warning);
     }
@@ -250,10 +268,30 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     return collection;
 }
 
+void begin_reading(ResultStore& store, std::size_t files) {
+    store.set_fact(files_to_read, std::to_string(files));
+}
+
+void end_reading(ResultStore& store) {
+    if (store.fact(files_to_read).value_or("0") != "0") store.set_fact(files_to_read, "0");
+}
+
+std::string unfinished_reading(const ResultStore& store) {
+    const std::string files = store.fact(files_to_read).value_or("0");
+    if (files == "0") return "";
+    const fs::path study = store.file().parent_path();
+    return study.string() + ": reading its " + files +
+           " files was stopped before all were taken in; finish it with: morphodesic ingest " +
+           store.fact("folder").value_or("FOLDER") + " --out " + study.string();
+}
+
 Collection stored_collection(const ResultStore& store) {
     Collection collection;
     collection.dimension = store.fact("dimension") == "3" ? 3 : 2;
     for (StoredShape& shape : store.shapes()) collection.entries.push_back({{}, std::move(shape), false});
+    if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
+        throw std::invalid_argument(unfinished);
+    }
     if (collection.entries.empty()) {
         throw StoreError(store.file(), "the study has no shapes yet; take them in with: morphodesic ingest FOLDER");
     }

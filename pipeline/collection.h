@@ -50,8 +50,14 @@ struct SizedName {
                                             ResultStore& store, Progress& progress);
 
 /// The collection as the store has it, without its files.
-/// @throws StoreError if nothing was ingested
+/// @throws StoreError if nothing was ingested, std::invalid_argument if reading the files was not finished
 [[nodiscard]] Collection stored_collection(const ResultStore& store);
+
+/// Notes in the store that the files of a collection are being read, or that all have been.
+void begin_reading(ResultStore& store, std::size_t files);
+void end_reading(ResultStore& store);
+/// A sentence with remedy if reading was stopped before all files were taken in; else empty.
+[[nodiscard]] std::string unfinished_reading(const ResultStore& store);
 
 /// A shape ready for pairs.
 template <int Dim>

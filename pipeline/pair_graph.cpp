@@ -55,6 +55,7 @@ public:
 
 private:
     std::vector<GeodesicKey> missing() {
+        end_reading(store_);
         store_.remove_unused_level_sets();
         if (!options_.solve) return {};
         const auto stored = store_.stored_pairs(settings_hash(options_.geodesic), [&](const std::string& damage) {

@@ -198,6 +198,7 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     if (const auto warning = store.fact("size_warning"); warning && !warning->empty()) {
         analysed.model.warnings.push_back(*warning);
     }
+    if (!data.unfinished.empty()) analysed.model.warnings.push_back(data.unfinished);
     add_provenance(data, store, folder, options.analysis, analysed.model);
     write_report(analysed.model, folder, summary);
 }

@@ -92,6 +92,8 @@ public:
     /// @param mask  receives the occlusion mask (empty values if there is none) unless null
     template <int Dim>
     [[nodiscard]] LevelSet<Dim> level_set(std::string_view digest, ScalarField<Dim>* mask = nullptr) const;
+    /// Level of the grid of a level set; 0 if it is not there.
+    [[nodiscard]] int level_of(std::string_view digest) const;
     /// Digests of the level sets that have an occlusion mask.
     [[nodiscard]] std::set<std::string> masked_level_sets() const;
     /// Deletes level sets that no file of the collection has any more.

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "pipeline/digest.h"
 #include "pipeline/run_settings.h"
 
 namespace morphodesic::pipeline {
@@ -33,11 +34,20 @@ std::size_t unfinished_bytes(std::ifstream& in, std::size_t size) {
 }
 
 std::string header(const std::string& settings_hash) {
-    return json{{"format", "morphodesic shard"},
-                {"version", results_version},
-                {"settings", settings_hash},
-                {"solver_revision", solver_revision}}
-        .dump();
+    json head{{"format", "morphodesic shard"},
+              {"version", results_version},
+              {"settings", settings_hash},
+              {"solver_revision", solver_revision}};
+    head["checksum"] = digest(head.dump());
+    return head.dump();
+}
+
+/// Whether the first line is what was written; older programs wrote it without a checksum.
+bool is_sound(json head) {
+    if (!head.contains("checksum")) return true;
+    const json checksum = head["checksum"];
+    head.erase("checksum");
+    return checksum == digest(head.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -76,6 +86,13 @@ ShardResults read_shard_results(const fs::path& file) {
         results.problem = file.string() +
                           ": was written by another version of morphodesic, whose numbers are not to be mixed with "
                           "those of this one; compute the shard again with the same program as the study";
+        return results;
+    }
+    if (!is_sound(head)) {
+        results.problem =
+            file.string() +
+            ": its first line is damaged, so nothing says what its rows belong to; move the file away and "
+            "run the shard again";
         return results;
     }
     while (next_line()) {
@@ -153,10 +170,7 @@ void ShardWriter::write(const std::string& line) {
 
 void ShardWriter::append(const StoredGeodesic& geodesic) {
     write(line_of(geodesic));
-}
-
-void ShardWriter::flush() {
-    if (::fsync(descriptor_) != 0 && errno != EINVAL) {
+    if (::fdatasync(descriptor_) != 0 && errno != EINVAL) {
         throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno));
     }
 }

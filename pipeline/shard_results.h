@@ -32,8 +32,8 @@ public:
 
     /// What is in the file already.
     [[nodiscard]] const std::vector<StoredGeodesic>& before() const { return before_; }
+    /// On the disk when it returns: neither a kill nor a power cut loses what was appended.
     void append(const StoredGeodesic& geodesic);
-    void flush();
 
 private:
     void write(const std::string& line);

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "pipeline/collection.h"
 #include "pipeline/study_rounds.h"
 #include "pipeline/wanted_pairs.h"
 
@@ -16,6 +17,8 @@ StudyData load_study(const ResultStore& store) {
     data.settings = settings_from_text(*text);
     data.settings_hash = settings_hash(data.settings.geodesic);
     data.dimension = store.fact("dimension") == "3" ? 3 : 2;
+    data.unfinished = unfinished_reading(store);
+    if (!data.unfinished.empty()) data.failures.push_back({"", "", data.unfinished});
     std::vector<std::string> names;
     for (StoredShape& shape : store.shapes()) {
         if (shape.problem.empty() && !shape.content_digest.empty()) {

@@ -63,6 +63,8 @@ void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
         else
             done += static_cast<std::size_t>(written);
     }
+    // On the disk before it takes the place of the old one: a power cut must not leave an empty table.
+    if (error == 0 && ::fdatasync(file) != 0 && errno != EINVAL) error = errno;
     if (::close(file) != 0 && error == 0) error = errno;
     if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
     if (error != 0) {

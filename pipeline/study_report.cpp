@@ -105,7 +105,10 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
         shape.notes = data.shapes[i].notes;
         model.shapes.push_back(std::move(shape));
     }
-    for (const StudyFailure& failure : data.failures) model.failures.push_back({failure.a, failure.b, failure.reason});
+    for (const StudyFailure& failure : data.failures) {
+        if (failure.a.empty()) continue;  // of the study as a whole: among the warnings
+        model.failures.push_back({failure.a, failure.b, failure.reason});
+    }
     for (const std::size_t i : all.left_out) {
         model.failures.push_back({data.shapes[i].name, "", "no chain of trustworthy distances joins it to the others"});
     }
@@ -152,7 +155,9 @@ AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& op
     model.given_matrix = data.given;
     model.shapes_found = number(data.shapes.size() + data.unusable.size());
     model.pairs_total = static_cast<long>(data.distances.pair_count());
-    model.pairs_done = model.pairs_total - data.pairs_missing;
+    for (std::size_t i = 0; i < data.shapes.size(); ++i) {
+        for (std::size_t j = i + 1; j < data.shapes.size(); ++j) model.pairs_done += data.distances.known(i, j) ? 1 : 0;
+    }
     model.cpu_seconds = 0.0;
     for (const auto* direction : {&data.pairs, &data.backward}) {
         for (const auto& pair : *direction) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
@@ -86,13 +87,17 @@ struct Subject {
         if (is_table(options)) {
             data = read_given_matrix(options.study, {options.errors, options.asymmetric});
             folder.create();
+            lock.emplace(folder);
         } else {
+            if (!std::filesystem::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+            lock.emplace(folder);
             data = load_study(ResultStore(folder.store(), ResultStore::Access::read));
         }
         if (!options.labels.empty()) label_shapes(data, options.labels);
     }
 
     StudyFolder folder;
+    std::optional<StudyLock> lock;  // two that write the same tables at once would mix them
     StudyData data;
 
 private:

@@ -168,7 +168,6 @@ long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, Sha
                 },
                 tbb::simple_partitioner());
         });
-        out.flush();
         if (stop()) break;
     }
     progress.end_pairs();
@@ -185,6 +184,9 @@ int plan(const ShardOptions& options) {
     if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
+    if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
+        throw std::invalid_argument(unfinished);
+    }
     const auto text = store.fact("settings");
     if (!text)
         throw StoreError(store.file(), "the study has no settings yet; take its shapes in with: morphodesic ingest");
@@ -308,6 +310,7 @@ int merge(const ShardOptions& options) {
 
     Summary summary;
     std::vector<StudyFailure> problems;
+    std::vector<std::string> damaged;
     long added = 0, known = 0;
     for (const fs::path& file : files) {
         const ShardResults results = read_shard_results(file);
@@ -322,10 +325,7 @@ int merge(const ShardOptions& options) {
             continue;
         }
         if (results.damaged > 0) {
-            problems.push_back({file.string(), "",
-                                file.string() + ": " + std::to_string(results.damaged) +
-                                    " damaged lines were left out; run the shard again, it computes only what is "
-                                    "missing"});
+            damaged.push_back(file.string() + ": " + std::to_string(results.damaged) + " damaged lines were left out");
         }
         long strangers = 0, differing = 0;
         std::map<GeodesicKey, StoredGeodesic> there;
@@ -383,7 +383,17 @@ int merge(const ShardOptions& options) {
     }
     // A workflow ends well with a complete round of a screening, though another one may follow.
     const bool round_there = data.levels.size() > 1 && plan_is_done(folder.path() / "shards" / "plan.sqlite", store);
-    const bool all_there = problems.empty() && (data.pairs_missing == 0 || round_there);
+    // What a damaged line held may have come from the same shard run again: then nothing is missing, nothing to do.
+    const bool complete = data.pairs_missing == 0 || round_there;
+    for (const std::string& damage : damaged) {
+        if (complete) {
+            summary.data["remarks"].push_back(damage + "; all pairs are there all the same");
+            summary.lines.push_back(damage + "; all pairs are there all the same");
+        } else {
+            problems.push_back({"", "", damage + "; run the shard again, it computes only what is missing"});
+        }
+    }
+    const bool all_there = problems.empty() && complete;
     for (const StudyFailure& failure : data.failures) problems.push_back(failure);
     summary.add_failures(problems);
     if (all_there && options.accept_failures) summary.exit_code = all_done;

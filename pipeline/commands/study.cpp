@@ -5,11 +5,13 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/summary.h"
 #include "pipeline/exports.h"
+#include "pipeline/memory_limits.h"
 #include "pipeline/memory_model.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/stop_signals.h"
@@ -60,6 +62,8 @@ void settle_settings(Workplace& at, const RunSettings& settings) {
     for (const GeodesicOptions& level : screening_levels(settings.geodesic, settings.pairs.neighbors)) {
         at.store->put_settings(settings_hash(level), canonical_text(level));
     }
+    // The command that made the study no longer repeats it; `run` writes down the new one when it is done.
+    if (before && *before != text) at.store->set_fact("command", "");
     at.store->set_fact("settings", text);
     at.store->set_fact("program", "morphodesic " MORPHODESIC_VERSION);
 }
@@ -94,20 +98,27 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     return sum;
 }
 
-PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options, bool solve) {
+/// @throws std::invalid_argument if one pair does not fit into the memory that may be used
+MemoryPlan memory_for(const StudyOptions& options, int dimension, std::size_t shapes, int threads) {
+    const GeodesicOptions& geodesic = options.settings.geodesic;
+    return plan_memory(options.memory, dimension, geodesic.level, shape_level(dimension, geodesic), geodesic.time_steps,
+                       shapes, threads);
+}
+
+/// @param memory  null: no pairs are solved
+PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options,
+                         const MemoryPlan* memory) {
     PairGraphOptions graph;
+    const bool solve = memory != nullptr;
     graph.solve = solve;
     graph.both_directions = options.settings.pairs.both_directions;
     graph.threads = at.threads;
     graph.pairs_in_flight = at.threads;
     const GeodesicOptions& geodesic = options.settings.geodesic;
     if (solve) {
-        const MemoryPlan memory = plan_memory(options.memory, collection.dimension, geodesic.level,
-                                              shape_level(collection.dimension, geodesic), geodesic.time_steps,
-                                              collection.entries.size(), at.threads);
-        at.progress.message(memory.sentence());
-        graph.pairs_in_flight = memory.pairs_in_flight;
-        graph.shape_bytes = memory.shapes;
+        at.progress.message(memory->sentence());
+        graph.pairs_in_flight = memory->pairs_in_flight;
+        graph.shape_bytes = memory->shapes;
     }
     graph.stop = [] { return StopSignals::caught() != 0; };
     if (solve && options.retry_failed) {
@@ -152,6 +163,22 @@ void refuse_results_as_shapes(const StudyOptions& options) {
     }
 }
 
+/// Shapes are sampled once, when they are read: on another level they would be others than those that `run` compares.
+/// @throws std::invalid_argument if the stored shapes are not those of the wanted level
+void check_stored_level(const Collection& collection, const ResultStore& store, const StudyOptions& options) {
+    const int wanted = shape_level(collection.dimension, options.settings.geodesic);
+    for (const CollectionEntry& entry : collection.entries) {
+        if (entry.row.content_digest.empty()) continue;
+        const int kept = store.level_of(entry.row.content_digest);
+        if (kept == wanted) return;
+        throw std::invalid_argument(
+            options.study.string() + ": its shapes are kept on level " + std::to_string(kept) + ", and --level " +
+            std::to_string(options.settings.geodesic.level) + " needs them on level " + std::to_string(wanted) +
+            "; read the files again with: morphodesic run " + store.fact("folder").value_or("FOLDER") + " --out " +
+            options.study.string() + " and the same options");
+    }
+}
+
 int execute(const StudyOptions& options, bool from_files, bool solve, bool with_report) {
     const double begin = now();
     if (from_files && !fs::is_directory(options.collection)) {
@@ -161,6 +188,8 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                                          : ": there is no such folder; make one with: morphodesic datasets letters"));
     }
     if (from_files) refuse_results_as_shapes(options);
+    // What is refused must leave the study as it was.
+    if (solve && !options.memory.empty()) static_cast<void>(size_from_text(options.memory));
     Workplace at(options, from_files);
     Collection collection;
     if (from_files) {
@@ -174,10 +203,14 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
         }
     } else {
         collection = stored_collection(*at.store);
+        check_stored_level(collection, *at.store, options);
     }
+    std::optional<MemoryPlan> memory;
+    if (solve) memory = memory_for(options, collection.dimension, collection.entries.size(), at.threads);
     settle_settings(at, options.settings);
+    if (from_files) begin_reading(*at.store, collection.entries.size());
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
-    const PairGraphSummary done = compute(at, collection, options, solve);
+    const PairGraphSummary done = compute(at, collection, options, memory ? &*memory : nullptr);
     if (done.stopped) return stopped(options, done);
     if (!options.command.empty() && with_report) at.store->set_fact("command", options.command);
     const double seconds = add_seconds(*at.store, now() - begin);

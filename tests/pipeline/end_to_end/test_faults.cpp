@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "pipeline/study_folder.h"
 #include "program.h"
 
 namespace morphodesic::tests {
@@ -170,6 +171,61 @@ TEST_F(DisturbedStore, AChangedNumberIsFoundAndComputedAgain) {
     EXPECT_THAT(done.err, HasSubstr("damaged"));
     EXPECT_GT(json::parse(done.out)["pairs_computed"], 0);
     EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, ARefusedCommandLeavesTheStudyAsItWas) {
+    const std::string study = (folder_ / "disks.study").string();
+    for (const char* memory : {"lots", "1M"}) {
+        EXPECT_EQ(morphodesic({"run", (folder_ / "disks").string(), "--memory", memory}).code, 2);
+    }
+    EXPECT_EQ(morphodesic({"analyze", study, "--quiet"}).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, ShapesOfAnotherLevelAreNotComparedUnderItsName) {
+    const std::string study = (folder_ / "disks.study").string();
+    const Outcome refused = morphodesic({"geodesics", study, "--level", "8"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("read the files again with: morphodesic run"));
+    EXPECT_EQ(morphodesic({"analyze", study, "--quiet"}).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, AnUnfinishedReadingIsNotTakenForTheWholeCollection) {
+    const std::string study = (folder_ / "disks.study").string();
+    execute(store_, "DELETE FROM study WHERE key LIKE '%files_to_read'");
+    execute(store_, "INSERT INTO study VALUES('files_to_read', '48')");
+    for (const auto& command :
+         std::vector<std::vector<std::string>>{{"geodesics", study}, {"plan", study, "--shards", "2"}}) {
+        const Outcome refused = morphodesic(command);
+        EXPECT_EQ(refused.code, 2) << command.front();
+        EXPECT_THAT(refused.err, HasSubstr("reading its 48 files was stopped"));
+    }
+    const Outcome report = morphodesic({"report", study});
+    EXPECT_EQ(report.code, 1);
+    EXPECT_THAT(report.out, HasSubstr("finish it with: morphodesic ingest"));
+    EXPECT_THAT(read_file(folder_ / "disks.study/report.json"), HasSubstr("reading its 48 files was stopped"));
+    EXPECT_EQ(morphodesic(command_).code, 0);
+    EXPECT_EQ(morphodesic({"report", study}).code, 0);
+}
+
+TEST_F(DisturbedStore, ComingBackToTheOptionsOfBeforeGivesTheDistancesOfBefore) {
+    std::vector<std::string> detour = command_;
+    detour.insert(detour.end(), {"--max-megapixels", "32"});
+    ASSERT_EQ(morphodesic(detour).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+    detour.back() = "64";
+    detour.insert(detour.end(), {"--foreground", "dark"});
+    static_cast<void>(morphodesic(detour));
+    ASSERT_EQ(morphodesic(command_).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, TwoThatWriteTheSameTablesDoNotMixThem) {
+    const pipeline::StudyLock lock{pipeline::StudyFolder(folder_ / "disks.study")};
+    const Outcome done = morphodesic({"analyze", (folder_ / "disks.study").string()});
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("another process works on this study"));
 }
 
 TEST_F(DisturbedStore, ALockedStoreEndsWithAdvice) {
