@@ -96,6 +96,7 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.label = entry.source.label;
     row.dimension = entry.source.dimension;
     row.problem.clear();
+    row.damaged = false;  // nothing of it is used: `reading` is empty
     try {
         check_size(entry, options);
         row.file_digest = datasets::file_digest(entry.source.path);

@@ -38,7 +38,8 @@ public:
                                           shape.mask ? *shape.mask : no_mask);
             }
         }
-        store_.put_shape(shape.row);
+        // A damaged row stays as it is until its file is read again: sealed anew it would pass for sound.
+        if (!shape.row.damaged) store_.put_shape(shape.row);
         if (shape.level_set) {
             ++summary_.shapes;
             // Files with equal content are one shape.

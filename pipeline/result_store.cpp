@@ -128,12 +128,14 @@ std::string row_checksum(const StoredGeodesic& g, const std::string& details) {
 }
 
 /// Goes behind the placing of a shape: a changed bit anywhere in its row has the file read again.
-std::string shape_seal(const StoredShape& shape, const std::string& notes) {
+/// @param with_label  also over class and dimension, which the first studies did not seal
+std::string shape_seal(const StoredShape& shape, const std::string& notes, bool with_label = true) {
     std::string bytes;
     for (const std::string* text : {&shape.name, &shape.file_digest, &shape.reading, &shape.placing,
                                     &shape.content_digest, &notes, &shape.problem}) {
         bytes += *text + '\n';
     }
+    if (with_label) bytes += shape.label + '\n' + std::to_string(shape.dimension) + '\n';
     for (const double x : {shape.extent_radius, shape.volume, shape.scale}) {
         const double canonical = std::isnan(x) ? 0.0 : x;
         bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
@@ -357,11 +359,16 @@ std::vector<StoredShape> ResultStore::shapes() const {
         const std::string seal = space == std::string::npos ? "" : shape.placing.substr(space + 1);
         shape.placing.resize(std::min(space, shape.placing.size()));
         const std::string notes = s.text(11);
-        if (seal == shape_seal(shape, notes)) {
+        if (seal == shape_seal(shape, notes) || seal == shape_seal(shape, notes, false)) {
             for (const json& note : json::parse(notes)) shape.notes.push_back(note.get<std::string>());
         } else {
+            shape.damaged = true;
             shape.reading.clear();
             shape.placing.clear();
+            shape.content_digest.clear();
+            shape.problem = file().string() + ": what the store says of " + shape.name +
+                            " is damaged; it is left out until the file is read again: give the command that made the "
+                            "study again (morphodesic run FOLDER, or morphodesic ingest FOLDER)";
         }
         shapes.push_back(std::move(shape));
     }

@@ -29,7 +29,8 @@ struct StoredShape {
     double volume = 0.0;         ///< area (volume) in units of the cube
     double scale = 1.0;          ///< cube units per file unit
     std::vector<std::string> notes;
-    std::string problem;  ///< why the file could not be used; empty if it could
+    std::string problem;   ///< why the file could not be used; empty if it could
+    bool damaged = false;  ///< the row is not as it was written: `problem` says so, only the file itself knows more
 };
 
 /// A solved pair, or the reason why there is no result. The path runs from the shape with digest a to the one with b.
@@ -78,7 +79,7 @@ public:
     [[nodiscard]] std::optional<std::string> fact(std::string_view key) const;
     void set_fact(std::string_view key, std::string_view value);
 
-    /// All files of the collection, sorted by name.
+    /// All files of the collection, sorted by name. Nothing of a damaged row is to be used; it has a problem.
     [[nodiscard]] std::vector<StoredShape> shapes() const;
     /// Adds or replaces the file of that name.
     void put_shape(const StoredShape& shape);

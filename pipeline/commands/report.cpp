@@ -171,6 +171,9 @@ int verify(const StudyOptions& options) {
     Summary summary;
     std::vector<StudyFailure> differing;
     for (const std::string& damage : data.remarks) differing.push_back({"", "", damage});
+    for (const StoredShape& shape : data.unusable) {
+        if (shape.damaged) differing.push_back({shape.name, "", shape.problem});
+    }
     long checked = 0;
     std::map<std::string, std::size_t> by_digest;
     for (std::size_t i = 0; i < data.shapes.size(); ++i) by_digest.emplace(data.shapes[i].content_digest, i);

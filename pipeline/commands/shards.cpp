@@ -237,6 +237,11 @@ int plan(const ShardOptions& options) {
                                 std::to_string(plan.shards));
     }
     summary.lines.push_back("Then: morphodesic merge " + quoted(folder.path().string()));
+    std::vector<StudyFailure> damaged;  // their pairs are not in the plan
+    for (const StoredShape& shape : store.shapes()) {
+        if (shape.damaged) damaged.push_back({shape.name, "", shape.problem});
+    }
+    summary.add_failures(damaged);
     return summary.print(options.common);
 }
 

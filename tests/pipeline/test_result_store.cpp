@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "end_to_end/program.h"
+#include "pipeline/database.h"
+#include "pipeline/digest.h"
 #include "pipeline/result_store.h"
 
 namespace morphodesic::pipeline {
@@ -98,6 +100,43 @@ TEST_F(Store, LevelSetsAreKeptAsFloatsAndSweptWhenUnused) {
     EXPECT_THROW((void)store.level_set<3>("used"), StoreError);
     ASSERT_EQ(store.shapes().size(), 1u);
     EXPECT_EQ(store.shapes()[0].notes, shape.notes);
+}
+
+TEST_F(Store, ADamagedShapeHasAProblemAndNothingElse) {
+    StoredShape shape;
+    shape.name = "x.png";
+    shape.label = "letter";
+    shape.reading = "reading";
+    shape.placing = "placing";
+    shape.content_digest = "content";
+    ResultStore store(file_, ResultStore::Access::write);
+    store.put_shape(shape);
+    EXPECT_FALSE(store.shapes().front().damaged);
+    EXPECT_EQ(store.shapes().front().placing, "placing");
+    for (const char* change : {"label = 'other'", "name = 'y.png'", "volume = 2", "content_digest = 'other'"}) {
+        store.put_shape(shape);
+        Database(file_, true).execute(std::string("UPDATE shapes SET ") + change);
+        const StoredShape row = store.shapes().front();
+        EXPECT_TRUE(row.damaged) << change;
+        EXPECT_EQ(row.reading + row.placing + row.content_digest, "") << change;
+        EXPECT_THAT(row.problem, testing::HasSubstr(row.name + " is damaged")) << change;
+        store.remove_shapes({row.name});
+    }
+}
+
+TEST_F(Store, AShapeSealedWithoutItsClassAsInTheFirstStudiesIsSound) {
+    StoredShape shape;
+    shape.name = "x.png";
+    shape.label = "letter";
+    shape.placing = "placing";
+    ResultStore store(file_, ResultStore::Access::write);
+    store.put_shape(shape);
+    const double numbers[] = {shape.extent_radius, shape.volume, shape.scale};
+    const std::string seal = digest(std::string("x.png\n\n\nplacing\n\n[]\n\n") +
+                                    std::string(reinterpret_cast<const char*>(numbers), sizeof numbers));
+    Database(file_, true).execute("UPDATE shapes SET placing = 'placing " + seal + "'");
+    EXPECT_FALSE(store.shapes().front().damaged);
+    EXPECT_EQ(store.shapes().front().placing, "placing");
 }
 
 TEST_F(Store, FactsAndSettingsAreKept) {

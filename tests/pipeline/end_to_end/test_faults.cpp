@@ -228,6 +228,29 @@ TEST_F(DisturbedStore, TwoThatWriteTheSameTablesDoNotMixThem) {
     EXPECT_THAT(done.err, HasSubstr("another process works on this study"));
 }
 
+TEST_F(DisturbedStore, WhatDoesNotReadTheFilesLeavesADamagedShapeOutAndSaysSo) {
+    const std::string study = (folder_ / "disks.study").string();
+    for (const char* change :
+         {"content_digest = (SELECT content_digest FROM shapes WHERE name = 'disk-03.png')", "volume = volume * 2",
+          "label = 'square'", "notes = '[\"changed\"]'", "dimension = 3", "scale = scale * 2"}) {
+        execute(store_, std::string("UPDATE shapes SET ") + change + " WHERE name = 'disk-01.png'");
+        for (const std::vector<std::string>& command : {std::vector<std::string>{"verify", study},
+                                                        {"report", study},
+                                                        {"analyze", study},
+                                                        {"geodesics", study},
+                                                        {"plan", study, "--shards", "2"}}) {
+            const Outcome done = morphodesic(command);
+            EXPECT_EQ(done.code, 1) << command.front() << change << done.err;
+            EXPECT_THAT(done.out, testing::AllOf(HasSubstr("disk-01.png is damaged"), HasSubstr("morphodesic ingest")));
+        }
+        EXPECT_THAT(read_file(folder_ / "disks.study/distances.csv"), testing::Not(HasSubstr("disk-01.png")));
+        const Outcome done = morphodesic(command_);  // it reads the file again
+        EXPECT_EQ(done.code, 0) << change << done.err;
+        EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_) << change;
+        EXPECT_EQ(morphodesic({"verify", study}).code, 0) << change;
+    }
+}
+
 TEST_F(DisturbedStore, ALockedStoreEndsWithAdvice) {
     sqlite3* connection = nullptr;
     ASSERT_EQ(sqlite3_open(store_.c_str(), &connection), SQLITE_OK);

@@ -93,6 +93,11 @@ TEST_F(RandomFaults, AFlippedBitAnywhereInTheStoreNeverChangesADistance) {
         store[offset] = static_cast<char>(store[offset] ^ (1 << random_() % 8));
         write_file(study_ / "study.sqlite", store);
         const std::string what = "flipped a bit of byte " + std::to_string(offset);
+        // Who does not read the files again either has the right distances or says what is missing.
+        if (morphodesic({"analyze", study_.string(), "--quiet"}).code == 0) {
+            EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_) << what;
+        }
+        fs::remove(study_ / "distances.csv");
         const Outcome done = morphodesic(command_);
         if (done.code == 0) {
             EXPECT_EQ(read_file(study_ / "distances.csv"), bytes_) << what;
