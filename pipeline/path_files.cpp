@@ -103,13 +103,15 @@ ordered_json to_json(const StoredGeodesic& g) {
                           {"seconds", number(l.seconds)}});
     }
     const std::string problem = g.problem();
-    return {{"path_length", number(g.path_length)},
-            {"error", number(g.error)},
-            {"extrapolated_length", number(g.extrapolated_length)},
-            {"path_energy", number(g.path_energy)},
-            {"total_energy", number(g.total_energy)},
-            {"min_det", number(g.min_det)},
-            {"termination", to_string(g.termination)},
+    const bool solved = g.failure.empty();  // else there are no numbers, and the fields only have their defaults
+    const auto result = [&](double x) { return solved ? number(x) : ordered_json(nullptr); };
+    return {{"path_length", result(g.path_length)},
+            {"error", result(g.error)},
+            {"extrapolated_length", result(g.extrapolated_length)},
+            {"path_energy", result(g.path_energy)},
+            {"total_energy", result(g.total_energy)},
+            {"min_det", result(g.min_det)},
+            {"termination", solved ? to_string(g.termination) : "failed"},
             {"message", g.message},
             {"problem", problem.empty() ? ordered_json(nullptr) : ordered_json(problem)},
             {"deformation_energy", numbers(g.deformation_energy)},
@@ -120,7 +122,7 @@ ordered_json to_json(const StoredGeodesic& g) {
             {"digest_a", g.a},
             {"digest_b", g.b},
             {"settings", g.settings_hash},
-            {"seconds", number(g.seconds)}};
+            {"seconds", result(g.seconds)}};
 }
 
 template DrawnPath draw_path<2>(const GeodesicResult<2>&, const SolidView&);

@@ -33,7 +33,7 @@ template <int Dim>
 std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
                                           const DrawnPath& drawn);
 
-/// Every number of a result as JSON; doubles read back exactly.
+/// Every number of a result as JSON; doubles read back exactly. Of a pair that the solver gave up the numbers are null.
 [[nodiscard]] nlohmann::ordered_json to_json(const StoredGeodesic& geodesic);
 
 }  // namespace morphodesic::pipeline

@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "end_to_end/program.h"
 #include "pipeline/database.h"
 #include "pipeline/digest.h"
+#include "pipeline/path_files.h"
 #include "pipeline/result_store.h"
 
 namespace morphodesic::pipeline {
@@ -158,6 +160,19 @@ TEST_F(Store, ReadingWhereThereIsNoStudySaysHowToMakeOne) {
         EXPECT_THAT(error.what(), testing::HasSubstr("morphodesic run"));
     }
     EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
+TEST(StoredGeodesicAsJson, APairWithoutResultHasNoNumbers) {
+    EXPECT_EQ(to_json(example("a", "b"))["path_length"], 1.0 / 3.0);
+    EXPECT_EQ(to_json(example("a", "b"))["termination"], "converged");
+    StoredGeodesic failed;
+    failed.failure = "the energy is not finite";
+    const nlohmann::ordered_json j = to_json(failed);
+    for (const char* key : {"path_length", "error", "extrapolated_length", "path_energy", "total_energy", "min_det"}) {
+        EXPECT_TRUE(j.at(key).is_null()) << key;
+    }
+    EXPECT_EQ(j.at("termination"), "failed");
+    EXPECT_EQ(j.at("problem"), failed.failure);
 }
 
 TEST(StoredGeodesicProblem, EveryReasonNotToTrustADistanceIsNamed) {
