@@ -31,8 +31,8 @@ struct ScanResult {
     std::vector<std::string> notes;     ///< worth knowing, nothing lost: rows of labels.csv without a file, ...
 };
 
-/// All shape files below a folder. Hidden files, other kinds of files and study folders are skipped; links are
-/// followed, every folder is read once (so loops end).
+/// All shape files below a folder. Hidden files, other kinds of files and folders with results of this program
+/// (studies, analyses, paths, figures) are skipped; links are followed, every folder is read once (so loops end).
 /// @throws ReadError if the folder or its labels.csv cannot be read
 /// @throws std::invalid_argument if the options have problems
 ScanResult scan_folder(const std::filesystem::path& folder, const ScanOptions& options = {});

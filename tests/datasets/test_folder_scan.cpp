@@ -153,6 +153,34 @@ TEST(FolderScan, StudyFoldersInsideTheCollectionAreSkipped) {
     EXPECT_THAT(names(scan_folder(folder.path())), ElementsAre("a.png"));
 }
 
+TEST(FolderScan, ResultsOfTheProgramInsideTheCollectionAreSkippedAndThatIsSaid) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"a.png", "d.analysis/clusters.csv", "d.analysis/linkage.csv", "d.analysis/embedding.csv",
+                             "d.analysis/figures/page.png", "path/colours.json", "path/step-00.png", "path/step-01.png",
+                             "q.classified/classification.csv", "q.classified/ranking.csv", "q.classified/x.png",
+                             "figures/heat_map.svg", "figures/heat_map.pdf", "figures/heat_map.png",
+                             "paper/gallery.html", "paper/figure-2.svg", "paper/figure-2.png", "paper/figure-2.csv"}) {
+        folder.write(name, "x");
+    }
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("a.png"));
+    EXPECT_THAT(result.problems, IsEmpty());
+    ASSERT_THAT(result.notes, SizeIs(5));
+    EXPECT_THAT(result.notes, testing::Contains(HasSubstr("path: it holds the path of a geodesic")));
+    // Named itself, such a folder is one of shapes.
+    EXPECT_THAT(names(scan_folder(folder / "path")), ElementsAre("step-00.png", "step-01.png"));
+}
+
+TEST(FolderScan, FoldersThatOnlyLookABitLikeResultsAreRead) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"a/gallery.html", "a/x.png", "a/x.svg", "b/colours.json", "b/y.png", "c/distances.csv",
+                             "c/step-00.png", "d.analysis/z.png", "figures/page.png"}) {
+        folder.write(name, "x");
+    }
+    EXPECT_THAT(names(scan_folder(folder.path())),
+                ElementsAre("a/x.png", "b/y.png", "c/step-00.png", "d.analysis/z.png", "figures/page.png"));
+}
+
 TEST(FolderScan, AMissingFolderIsAnErrorThatSaysSo) {
     const tests::TemporaryFolder folder;
     EXPECT_THROW(scan_folder(folder / "gone"), ReadError);

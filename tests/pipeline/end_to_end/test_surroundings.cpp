@@ -68,6 +68,25 @@ TEST_F(Surroundings, ResultsAreNotReadAsShapes) {
     EXPECT_THAT(study.err, HasSubstr("morphodesic report"));
 }
 
+TEST_F(Surroundings, ResultsOfEveryCommandInsideTheCollectionAreSkipped) {
+    ASSERT_EQ(run().code, 0);
+    fs::copy_file(folder / "disks.study/distances.csv", folder / "disks/distances.csv");
+    ASSERT_EQ(morphodesic({"report", disks() + "/distances.csv", "--quiet"}).code, 0);
+    ASSERT_TRUE(fs::exists(folder / "disks/distances.analysis/figures/heat_map.png"));
+    ASSERT_EQ(morphodesic(quick({"geodesic", disks() + "/disk-01.png", disks() + "/disk-02.png", "--out",
+                                 disks() + "/path", "--quiet"}))
+                  .code,
+              0);
+    fs::create_directories(folder / "disks/pictures");
+    fs::copy(folder / "disks/distances.analysis/figures", folder / "disks/pictures");
+    const Outcome again = morphodesic(quick({"run", disks(), "--json"}));
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(json::parse(again.out)["shapes"], 3);
+    for (const char* name : {"distances.analysis", "path", "pictures"}) {
+        EXPECT_THAT(again.err, HasSubstr("Skipped the folder " + disks() + "/" + name + ":"));
+    }
+}
+
 TEST_F(Surroundings, WhatStandsWhereAFileGoesIsSaid) {
     fs::create_directories(folder / "disks.study/distances.csv/x");
     const Outcome done = run();
