@@ -43,7 +43,9 @@ int Summary::print(const CommonOptions& options) {
     if ((options.json || options.quiet) && exit_code != all_done) {
         // Problems are said on the error stream also where the summary is not for people.
         for (const auto& failure : data.value("failures", nlohmann::ordered_json::array())) {
-            std::cerr << "morphodesic: " << failure["reason"].get<std::string>() << "\n";
+            const auto a = failure["a"].get<std::string>(), b = failure["b"].get<std::string>();
+            std::cerr << "morphodesic: " << (b.empty() ? "" : a + " - " + b + ": ")
+                      << failure["reason"].get<std::string>() << "\n";
         }
     }
     return exit_code;

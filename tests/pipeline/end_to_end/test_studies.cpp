@@ -153,6 +153,17 @@ TEST(Study, BadFilesAreListedAndTheRestGoesOn) {
     EXPECT_EQ(analysis::read_distance_csv(folder / "disks.study/distances.csv").size(), 3u);
 }
 
+TEST(Study, PairsThatFailAreNamedAlsoWhereTheSummaryIsNotForPeople) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    for (const char* how : {"--quiet", "--json"}) {
+        const Outcome done =
+            morphodesic(quick({"run", (folder / "disks").string(), how, "--max-iterations", "1", "--paths", "none"}));
+        EXPECT_EQ(done.code, 1);
+        EXPECT_THAT(done.err, HasSubstr("morphodesic: disk-01.png - disk-03.png: not converged")) << how;
+    }
+}
+
 TEST(Study, NamesMayHoldAnything) {
     const TemporaryFolder folder;
     make_disks(folder / "plain", 3);
