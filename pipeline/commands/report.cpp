@@ -180,6 +180,14 @@ int verify(const StudyOptions& options) {
     std::map<std::string, const GeodesicOptions*> settings_of;
     for (const GeodesicOptions& level : data.levels) settings_of.emplace(settings_hash(level), &level);
     const std::vector<const StoredGeodesic*> chosen = sample(data, options);
+    if (chosen.empty() && differing.empty()) {
+        const std::string study = folder.path().string();
+        throw std::invalid_argument(study + ": there is no trustworthy distance to verify" +
+                                    (data.pairs_missing > 0 ? "; compute them with: morphodesic geodesics "
+                                                            : "; what failed is said by: "
+                                                              "morphodesic report ") +
+                                    study);
+    }
     progress.begin_pairs(static_cast<long>(data.pairs.size()),
                          static_cast<long>(data.pairs.size()) - data.pairs_missing, static_cast<long>(chosen.size()),
                          1);

@@ -113,6 +113,10 @@ TEST(Study, TheFourStepsGiveTheSameAsRun) {
     ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
     ASSERT_EQ(morphodesic(quick({"ingest", (folder / "disks").string(), "--out", study, "--quiet"})).code, 0);
     EXPECT_EQ(stored_rows(study), 0);
+    const Outcome too_early = morphodesic({"verify", study});
+    EXPECT_EQ(too_early.code, 2);
+    EXPECT_THAT(too_early.err,
+                HasSubstr("no trustworthy distance to verify; compute them with: morphodesic geodesics"));
     ASSERT_EQ(morphodesic({"geodesics", study, "--quiet"}).code, 0);  // settings as ingested
     ASSERT_EQ(morphodesic({"analyze", study, "--quiet"}).code, 0);
     EXPECT_EQ(read_file(folder / "steps/distances.csv"), read_file(folder / "disks.study/distances.csv"));
