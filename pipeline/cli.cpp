@@ -42,6 +42,7 @@ struct CommandLine {
 
 private:
     CLI::App* command(const std::string& name, const std::string& help, const std::string& footer);
+    void add_config(CLI::App* command);
     void add_common(CLI::App* command, CommonOptions& common, bool computes);
     void add_settings(CLI::App* command, RunSettings& settings, bool with_import);
     void add_study_command(const std::string& name, const std::string& help, const std::string& footer,
@@ -133,9 +134,13 @@ CLI::App* CommandLine::command(const std::string& name, const std::string& help,
     CLI::App* command = app.add_subcommand(name, help);
     command->footer(footer);
     command->option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    add_config(command);
+    return command;
+}
+
+void CommandLine::add_config(CLI::App* command) {
     command->add_option("--config", config, "TOML file with options; those on the command line overrule it")
         ->option_text("FILE");
-    return command;
 }
 
 void CommandLine::add_common(CLI::App* command, CommonOptions& common, bool computes) {
@@ -342,6 +347,7 @@ void CommandLine::add_datasets() {
     sub->require_subcommand(1);
     add_dataset_kinds(*sub, dataset, [this](std::function<int()> generate) { action = std::move(generate); });
     add_solid_kinds(*sub, solids, [this](std::function<int()> generate) { action = std::move(generate); });
+    for (CLI::App* kind : sub->get_subcommands(nullptr)) add_config(kind);
 }
 
 void CommandLine::add_figures() {
@@ -408,22 +414,6 @@ void CommandLine::add_shards() {
     planning->callback([this] { action = [this] { return pipeline::plan(shards); }; });
     working->callback([this] { action = [this] { return pipeline::shard(shards); }; });
     joining->callback([this] { action = [this] { return pipeline::merge(shards); }; });
-}
-
-/// Puts the options of the configuration file, if any, behind the name of the subcommand, so that those on the command
-/// line come later and win.
-std::vector<std::string> with_config(std::vector<std::string> arguments) {
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-        std::string file;
-        if (arguments[i].rfind("--config=", 0) == 0) file = arguments[i].substr(9);
-        if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[i + 1];
-        if (arguments[i] == "--") break;
-        if (file.empty()) continue;
-        const std::vector<std::string> tokens = tokens_of_config(file);
-        arguments.insert(arguments.begin() + 1, tokens.begin(), tokens.end());
-        break;
-    }
-    return arguments;
 }
 
 /// Defaults of the second pass: the preset if one is named, else what the study was made with, else the standard.

@@ -18,6 +18,19 @@ std::string text_of(const toml::node& node) {
     return out.str();
 }
 
+/// Where the options of a subcommand begin: behind its name, for `datasets` behind the kind.
+std::ptrdiff_t options_begin(const std::vector<std::string>& arguments) {
+    if (arguments.front() != "datasets") return 1;
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+        if (arguments[i] == "--config") {
+            ++i;  // its value
+        } else if (arguments[i].rfind('-', 0) != 0) {
+            return static_cast<std::ptrdiff_t>(i) + 1;
+        }
+    }
+    return 1;
+}
+
 }  // namespace
 
 std::vector<std::string> tokens_of_config(const std::string& file) {
@@ -60,6 +73,20 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
         throw std::invalid_argument(file + ": this is not TOML; write one option per line, as in: level = 6");
     }
     return tokens;
+}
+
+std::vector<std::string> with_config(std::vector<std::string> arguments) {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        std::string file;
+        if (arguments[i].rfind("--config=", 0) == 0) file = arguments[i].substr(9);
+        if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[i + 1];
+        if (arguments[i] == "--") break;
+        if (file.empty()) continue;
+        const std::vector<std::string> tokens = tokens_of_config(file);
+        arguments.insert(arguments.begin() + options_begin(arguments), tokens.begin(), tokens.end());
+        break;
+    }
+    return arguments;
 }
 
 }  // namespace morphodesic::pipeline

@@ -28,5 +28,20 @@ TEST(ConfigFile, WhatIsNotAnOptionIsRefused) {
     EXPECT_THROW((void)tokens_of_config("/no/such/file.toml"), std::invalid_argument);
 }
 
+TEST(ConfigFile, ItsOptionsComeBeforeThoseOfTheCommandLineAndBehindTheCommand) {
+    const tests::TemporaryFolder folder;
+    tests::write_file(folder / "c.toml", "size = 64\n");
+    const std::string file = (folder / "c.toml").string();
+    using Words = std::vector<std::string>;
+    EXPECT_EQ(with_config({"run", "letters", "--config", file}),
+              (Words{"run", "--size=64", "letters", "--config", file}));
+    for (const std::string& option : {"--config=" + file, std::string("--quiet")}) {
+        EXPECT_EQ(with_config({"datasets", option, "--config", file, "bars", "--size", "32"}),
+                  (Words{"datasets", option, "--config", file, "bars", "--size=64", "--size", "32"}));
+    }
+    EXPECT_EQ(with_config({"datasets", "--config", file}), (Words{"datasets", "--size=64", "--config", file}));
+    EXPECT_EQ(with_config({"run", "--", "--config"}), (Words{"run", "--", "--config"}));
+}
+
 }  // namespace
 }  // namespace morphodesic::pipeline

@@ -320,6 +320,21 @@ TEST(Usage, ConfigurationFilesStandBelowTheCommandLineAndAbovePresets) {
     EXPECT_EQ(settings["tolerance"], "0.0005");  // of the preset
 }
 
+TEST(Usage, AConfigurationFileServesAlsoTheKindsOfDatasets) {
+    const TemporaryFolder folder;
+    write_file(folder / "c.toml", "size = 32\ncount = 3\n");
+    const std::string file = (folder / "c.toml").string();
+    const auto made = [&](const std::string& name, std::vector<std::string> words) {
+        words.insert(words.end(), {"--out", (folder / name).string(), "--json"});
+        const Outcome done = morphodesic(words);
+        EXPECT_EQ(done.code, 0) << done.err;
+        return done.code == 0 ? json::parse(done.out)["shapes"] : json();
+    };
+    EXPECT_EQ(made("behind", {"datasets", "bars", "--config", file}), 3);
+    EXPECT_EQ(made("before", {"datasets", "--config", file, "disks"}), 3);
+    EXPECT_EQ(made("overruled", {"datasets", "bars", "--count", "2", "--config=" + file}), 2);
+}
+
 TEST(Usage, AWrongConfigurationFileIsSaidWithFileAndLine) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 2);
