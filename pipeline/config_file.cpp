@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -37,6 +38,10 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
     const auto fail = [&](const toml::source_position& at, const std::string& problem) {
         throw std::invalid_argument(file + ", line " + std::to_string(at.line) + ": " + problem);
     };
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) {
+        throw std::invalid_argument(file + ": is a folder; name a TOML file after --config");
+    }
     std::ifstream in(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (!in.is_open() || in.bad())

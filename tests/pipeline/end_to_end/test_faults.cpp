@@ -343,6 +343,9 @@ TEST(Usage, AWrongConfigurationFileIsSaidWithFileAndLine) {
         morphodesic({"run", (folder / "disks").string(), "--config", (folder / "bad.toml").string()});
     EXPECT_EQ(broken.code, 2);
     EXPECT_THAT(broken.err, HasSubstr("bad.toml, line 2"));
+    const Outcome no_file = morphodesic({"run", (folder / "disks").string(), "--config", folder.path().string()});
+    EXPECT_EQ(no_file.code, 2);
+    EXPECT_THAT(no_file.err, HasSubstr(folder.path().string() + ": is a folder"));
     write_file(folder / "unknown.toml", "wings = 2\n");
     EXPECT_EQ(morphodesic({"run", (folder / "disks").string(), "--config", (folder / "unknown.toml").string()}).code,
               2);
