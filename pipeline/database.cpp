@@ -31,12 +31,12 @@ namespace {
         case SQLITE_PERM:
         case SQLITE_AUTH:
             throw StoreError(file, "may not be written (" + said +
-                                       "); check the permissions of the file and of its folder, or choose another "
-                                       "study folder with --out");
+                                       "); check the permissions of the file and of its folder, or use another "
+                                       "study folder");
         case SQLITE_CANTOPEN:
             throw StoreError(file, "cannot be opened (" + said +
-                                       "); check that the folder exists and may be written, or choose another study "
-                                       "folder with --out");
+                                       "); check that the folder exists and may be written, or use another study "
+                                       "folder");
         case SQLITE_CORRUPT:
         case SQLITE_NOTADB:
             throw StoreError(file, "is damaged or not a study's store (" + said +

@@ -255,14 +255,13 @@ struct ResultStore::Impl {
             database.execute("PRAGMA user_version = " + std::to_string(store_version));
             transaction.commit();
         } else if (version == 0 || pragma("application_id") != application_id) {
-            throw StoreError(database.file(),
-                             "is not the store of a morphodesic study; choose another folder with --out");
+            throw StoreError(database.file(), "is not the store of a morphodesic study; use another folder");
         } else if (version != store_version) {
-            throw StoreError(database.file(), "was written by " +
-                                                  std::string(version > store_version ? "a newer" : "an older") +
-                                                  " morphodesic (store version " + std::to_string(version) +
-                                                  ", this program reads " + std::to_string(store_version) +
-                                                  "); use that program, or make a new study with --out OTHER_FOLDER");
+            throw StoreError(database.file(),
+                             "was written by " + std::string(version > store_version ? "a newer" : "an older") +
+                                 " morphodesic (store version " + std::to_string(version) + ", this program reads " +
+                                 std::to_string(store_version) +
+                                 "); use that program, or make a new study: morphodesic run FOLDER --out STUDY");
         }
         if (access == Access::write) {
             // Each commit is on the disk before the next pair is reported as done: a power cut, too, loses only the

@@ -25,7 +25,7 @@ std::string remedy(int error) {
                "; a folder stands where a file must be, or a file where a folder must be: move it away, then give the "
                "same command again";
     }
-    return "cannot be written: " + what + "; check its permissions, or choose another study folder with --out";
+    return "cannot be written: " + what + "; check its permissions, or use another study folder";
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ StudyLock::StudyLock(const StudyFolder& folder) {
         ::close(descriptor_);
         throw StoreError(file, "another process works on this study (" +
                                    (size > 0 ? std::string(owner, static_cast<std::size_t>(size)) : "unknown") +
-                                   "); wait until it is done, or choose another study folder with --out");
+                                   "); wait until it is done, or use another study folder");
     }
     char host[128] = "unknown";
     ::gethostname(host, sizeof host - 1);

@@ -1,7 +1,10 @@
 // What happens to a study when the process, the disk, the store or the user does something wrong.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -292,6 +295,25 @@ TEST(Usage, AStudyFolderThatCannotBeMadeIsTheEnvironment) {
     const Outcome done = morphodesic({"run", (folder / "disks").string(), "--out", (folder / "file/study").string()});
     EXPECT_EQ(done.code, 3);
     EXPECT_THAT(done.err, HasSubstr("--out"));
+}
+
+TEST_F(DisturbedStore, NobodyIsSentToAnOptionThatTheCommandDoesNotHave) {
+    const std::string study = (folder_ / "disks.study").string();
+    const auto expect_no_option = [&](const char* words) {
+        for (const char* command : {"report", "geodesics", "merge", "plan"}) {
+            std::vector<std::string> line{command, study};
+            if (std::string(command) == "plan") line.insert(line.end(), {"--shards", "2"});
+            const Outcome done = morphodesic(line);
+            EXPECT_EQ(done.code, 3) << command;
+            EXPECT_THAT(done.err, testing::AllOf(HasSubstr(words), testing::Not(HasSubstr("with --out")))) << command;
+        }
+    };
+    const int lock = ::open((study + "/study.lock").c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+    expect_no_option("another process works on this study");
+    ::close(lock);
+    execute(store_, "PRAGMA application_id = 7");
+    expect_no_option("not the store");
 }
 
 TEST(Usage, HelpTeachesEverySubcommand) {
