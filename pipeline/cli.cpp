@@ -318,7 +318,7 @@ void CommandLine::add_classify() {
     sub->add_option("--truth", classify.truth,
                     "table file,label of the true classes; default: truth.csv in the folder of the queries")
         ->option_text("FILE");
-    sub->add_flag("--leave-one-out", classify.leave_one_out, "classify every template by the others");
+    sub->add_flag("--leave-one-out", classify.leave_one_out, "classify every template by the others; without queries");
     sub->add_option("--pictures", classify.pictures, "queries whose paths are drawn on the page")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();

@@ -525,6 +525,10 @@ int classify(const ClassifyCommandOptions& options) {
     if (options.queries.empty() && !options.leave_one_out) {
         throw std::invalid_argument("no query; name files or a folder, or --leave-one-out to test the templates");
     }
+    if (!options.queries.empty() && options.leave_one_out) {
+        throw std::invalid_argument(
+            "--leave-one-out classifies the templates and takes no queries; give one or the other");
+    }
     if (!fs::is_directory(options.templates)) {
         throw std::invalid_argument(options.templates.string() +
                                     (fs::exists(options.templates)

@@ -280,6 +280,16 @@ TEST(Usage, EveryMistakeHasItsExitCode) {
     EXPECT_THAT(morphodesic({"--version"}).out, HasSubstr("morphodesic "));
 }
 
+TEST(Usage, QueriesAreNotLeftUnreadBesideLeaveOneOut) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    const std::string disks = (folder / "disks").string();
+    const Outcome done = morphodesic({"classify", disks, "--templates", disks, "--leave-one-out"});
+    EXPECT_EQ(done.code, 2);
+    EXPECT_THAT(done.err, HasSubstr("--leave-one-out"));
+    EXPECT_FALSE(fs::exists(folder / "disks.classified"));
+}
+
 TEST(Usage, AFolderWithoutShapesIsNothingUsable) {
     const TemporaryFolder folder;
     write_file(folder / "texts/readme.txt", "no shapes here");
