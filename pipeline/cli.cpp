@@ -1,7 +1,9 @@
 #include "pipeline/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -62,6 +64,17 @@ std::string preset_help() {
                 "\n";
     }
     return text;
+}
+
+/// Refuses what reads as a number but is none to compute with: NaN even passes every test for a range.
+void refuse_infinite_numbers(CLI::App& app) {
+    for (CLI::Option* option : app.get_options()) {
+        if (option->get_type_name().rfind("FLOAT", 0) != 0) continue;
+        option->check([](const std::string& text) {
+            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? std::string() : text + " is not a finite number";
+        });
+    }
+    for (CLI::App* sub : app.get_subcommands(nullptr)) refuse_infinite_numbers(*sub);
 }
 
 CommandLine::CommandLine(const RunSettings& defaults) {
@@ -128,6 +141,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
     add_datasets();
     add_figures();
     add_shards();
+    refuse_infinite_numbers(app);
 }
 
 CLI::App* CommandLine::command(const std::string& name, const std::string& help, const std::string& footer) {

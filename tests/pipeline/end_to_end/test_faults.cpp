@@ -280,6 +280,35 @@ TEST(Usage, EveryMistakeHasItsExitCode) {
     EXPECT_THAT(morphodesic({"--version"}).out, HasSubstr("morphodesic "));
 }
 
+TEST(Usage, NumbersMustBeFinite) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    const std::string disks = (folder / "disks").string(), a = disks + "/disk-01.png", b = disks + "/disk-02.png";
+    const std::vector<std::string> compare{"geodesic", a, b}, study{"run", disks}, men{"datasets", "matchstick"},
+        occlude{"datasets", "occlude", disks}, query{"classify", a, "--templates", disks};
+    for (const char* number : {"nan", "-nan", "inf", "1e999"}) {
+        for (const auto& [command, option] :
+             std::vector<std::pair<std::vector<std::string>, std::string>>{{compare, "--scale"},
+                                                                           {study, "--lambda"},
+                                                                           {study, "--mismatch-weight"},
+                                                                           {study, "--cut-height"},
+                                                                           {study, "--max-megapixels"},
+                                                                           {men, "--variation"},
+                                                                           {occlude, "--fraction"},
+                                                                           {occlude, "--direction"},
+                                                                           {query, "--hidden-cost"}}) {
+            std::vector<std::string> words = command;
+            words.push_back(option + "=" + number);
+            if (option == "--direction") words.back() += ",1";
+            if (command != compare) words.insert(words.end(), {"--out", (folder / "out").string()});
+            const Outcome done = morphodesic(words);
+            EXPECT_EQ(done.code, 2) << option << " " << number;
+            EXPECT_THAT(done.err, HasSubstr(option)) << number;
+            EXPECT_FALSE(fs::exists(folder / "out")) << option << " " << number;
+        }
+    }
+}
+
 TEST(Usage, QueriesAreNotLeftUnreadBesideLeaveOneOut) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 2);
