@@ -14,6 +14,9 @@ namespace {
 
 constexpr const char* try_foreground = "if there is a shape in it, say which with --foreground dark, light or alpha";
 
+constexpr const char* try_mask =
+    "let the mask (white = hidden) leave a part of the shape and of the background visible, or take it away";
+
 /// Values of one number per pixel, split into two classes.
 struct Split {
     double threshold = 0.0;
@@ -94,11 +97,17 @@ public:
         } else {
             from_brightness(foreground == "dark");
         }
+        const auto object_pixels = [&] {
+            return std::count_if(result_.values.begin(), result_.values.end(), [](float v) { return v >= 0.5F; });
+        };
+        const bool something = object_pixels() > 0;
         for (std::size_t p = 0; p < hidden_.values.size(); ++p) {
             if (hidden_.values[p] > 0.5F) result_.values[p] = 0.0F;
         }
-        const auto inside =
-            std::count_if(result_.values.begin(), result_.values.end(), [](float v) { return v >= 0.5F; });
+        const auto inside = object_pixels();
+        if (inside == 0 && something) {
+            throw ReadError(file_, "the mask (or the occluder's colour) hides the whole shape", try_mask);
+        }
         if (inside == 0) throw ReadError(file_, "the image is empty, no pixel belongs to a shape", try_foreground);
         if (static_cast<std::size_t>(inside) == result_.values.size()) {
             throw ReadError(file_, "the whole image is object, no outline can be seen", try_foreground);
@@ -178,6 +187,10 @@ private:
             if (sample.size() > 4) break;
         }
         const Split split = otsu(values, sample.size() > 4 ? 0.02 : 1e-7);
+        if (!split.found && values.size() < result_.values.size() && otsu(result_.values, 1e-7).found) {
+            throw ReadError(file_, "what the mask (or the occluder's colour) leaves visible has only one colour",
+                            try_mask);
+        }
         if (!split.found) {
             throw ReadError(file_,
                             sample.size() <= 1 ? "the image has only one colour" : "the image has hardly any contrast",

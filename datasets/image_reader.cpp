@@ -110,7 +110,8 @@ RawShape<2> read_shape_2d(const ShapeSource& source, const ImportOptions& option
     RawShape<2> raw = raw_shape_of(source, std::move(outline), std::move(hidden));
     if (raw.volume < 30.0) {
         char text[120];
-        std::snprintf(text, sizeof text, "The shape has only %.0f pixels; its outline is rough.", raw.volume);
+        std::snprintf(text, sizeof text, "The shape has an area of only %.3g pixels; its outline is rough.",
+                      raw.volume);
         notes.emplace_back(text);
     }
     raw.frame_low = {0.0, 0.0};

@@ -120,21 +120,22 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     shape.occlusion_mask = raw.geometry->occlusion_mask(grid, placement);
     shape.scale = placement.scale;
     shape.volume = raw.volume * std::pow(placement.scale, Dim);
+    const std::string finer =
+        options.mode == "each" ? "use a finer --level" : "use a finer --level or --normalize each";
     const double depth = *std::max_element(shape.level_set.values.begin(), shape.level_set.values.end());
     if (!(depth > 0.0)) {
-        throw ReadError(raw.source.path, "at the collection's scale no node of the grid lies in the shape",
-                        "use a finer --level, or --normalize each, or leave the shape out");
+        throw ReadError(raw.source.path, "at this scale no node of the grid lies in the shape",
+                        finer + ", or leave the shape out");
     }
     if (depth < grid.spacing()) {
-        shape.notes.emplace_back(
-            "Thinner than two cells of the grid everywhere: use a finer --level or --normalize each.");
+        shape.notes.push_back("Thinner than two cells of the grid everywhere: " + finer + ".");
     }
     if (raw.components > 0) {
         const int pieces = component_count(shape.level_set);
         if (pieces > raw.components) {
             shape.notes.push_back("On this grid it falls into " + std::to_string(pieces) + " pieces instead of " +
-                                  std::to_string(raw.components) +
-                                  ", as parts are thinner than the cells: use a finer --level or --normalize each.");
+                                  std::to_string(raw.components) + ", as parts are thinner than the cells: " + finer +
+                                  ".");
         }
     }
     shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);

@@ -220,6 +220,35 @@ TEST(ImageReader, TheMaskBesideAnImageTellsWhereItIsHidden) {
     EXPECT_THROW(read(file), ReadError);
 }
 
+TEST(ImageReader, AMaskThatLeavesNothingToSeeIsNamedAsTheCause) {
+    const tests::TemporaryFolder folder;
+    const auto file = save(folder / "a.png", toned(disk_picture(64, 30, 33, 20), 255, 0));
+    const auto problem_with_mask = [&](const cv::Mat& mask) {
+        save(folder / "a.mask.png", toned(mask, 0, 255));
+        try {
+            (void)read(file);
+        } catch (const ReadError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const double radius : {100.0, 24.0}) {  // all of the picture; the shape
+        const std::string problem = problem_with_mask(disk_picture(64, 30, 33, radius));
+        EXPECT_THAT(problem, HasSubstr("the mask")) << radius;
+        EXPECT_THAT(problem, HasSubstr("white = hidden")) << radius;
+    }
+    const cv::Mat object_only = 1.0 - disk_picture(64, 30, 33, 15);
+    EXPECT_THAT(problem_with_mask(object_only), HasSubstr("has only one colour; let the mask"));
+    EXPECT_EQ(problem_with_mask(disk_picture(64, 30, 33, 10)), "");
+}
+
+TEST(ImageReader, AShapeOfLessThanAPixelIsNotOneOfNone) {
+    const tests::TemporaryFolder folder;
+    cv::Mat dot(9, 9, CV_8U, cv::Scalar(255));
+    dot.at<std::uint8_t>(4, 4) = 0;
+    EXPECT_THAT(read(save(folder / "dot.png", dot)).notes, Contains(HasSubstr("an area of only 0.5 pixels")));
+}
+
 TEST(ImageReader, NoiseAndUnevenLightDoNotHideTheObject) {
     const tests::TemporaryFolder folder;
     const cv::Mat disk = disk_picture(200, 90, 105, 40);

@@ -66,7 +66,13 @@ TEST(Normalize, AShapeTooLargeForTheScaleIsShrunkAndThatIsSaid) {
 
 TEST(Normalize, AShapeTooThinForTheGridIsNoted) {
     NormalizeOptions options;
-    EXPECT_THAT(normalize(raw_bar(30, 1), options).notes, Contains(HasSubstr("Thinner than two cells")));
+    EXPECT_THAT(normalize(raw_bar(30, 1), options).notes,
+                Contains(testing::AllOf(HasSubstr("Thinner than two cells"), HasSubstr("--normalize each"))));
+    options.mode = "each";  // who did that already is not told to do it
+    EXPECT_THAT(
+        normalize(raw_bar(30, 1), options).notes,
+        Contains(testing::AllOf(HasSubstr("Thinner than two cells"), testing::Not(HasSubstr("--normalize each")))));
+    options.mode = "common";
     options.level = 8;
     EXPECT_THAT(normalize(raw_bar(30, 1), options).notes, IsEmpty());
 }
