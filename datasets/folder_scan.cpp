@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 #include "datasets/csv_rows.h"
 #include "datasets/read_error.h"
@@ -85,17 +86,21 @@ private:
         result_.problems.push_back({path, what, remedy});
     }
 
+    void unreachable(const fs::path& path, const std::string& what, const std::error_code& error) {
+        problem(
+            path, what + " (" + error.message() + ")",
+            error == std::errc::filename_too_long ? "move it to a place with a shorter path" : "check its permissions");
+    }
+
     void read_folder(const Folder& folder) {
         std::error_code error;
         const fs::path real = fs::canonical(folder.path, error);
-        if (error || !seen_.insert(real).second) return;
+        if (error) return unreachable(folder.path, "the folder cannot be read", error);
+        if (!seen_.insert(real).second) return;
         std::vector<fs::directory_entry> entries;
         fs::directory_iterator it(folder.path, error);
         for (; !error && it != fs::directory_iterator(); it.increment(error)) entries.push_back(*it);
-        if (error) {
-            problem(folder.path, "the folder cannot be read (" + error.message() + ")", "check its permissions");
-            return;
-        }
+        if (error) return unreachable(folder.path, "the folder cannot be read", error);
         std::sort(entries.begin(), entries.end(),
                   [](const auto& a, const auto& b) { return a.path().native() < b.path().native(); });
         if (!folder.prefix.empty()) {  // whoever names such a folder itself means its pictures
@@ -112,9 +117,14 @@ private:
     void read_entry(const Folder& folder, const fs::directory_entry& entry) {
         const std::string file_name = entry.path().filename().string();
         if (file_name.starts_with('.')) return;
-        std::error_code error;
-        const bool link = entry.is_symlink(error);
+        std::error_code error, ignored;
+        const bool link = entry.is_symlink(ignored);
         const fs::file_status status = entry.status(error);
+        if (error && !link && !fs::status_known(status)) {
+            const bool folder_or_shape = entry.is_directory(ignored) || shape_dimension(entry.path()) != 0;
+            if (folder_or_shape) unreachable(entry.path(), "it cannot be looked at", error);
+            return;
+        }
         if (fs::is_directory(status)) {
             (link ? linked_ : waiting_).push_back({entry.path(), folder.prefix + file_name + "/"});
             return;

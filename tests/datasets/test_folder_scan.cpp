@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -145,6 +146,25 @@ TEST(FolderScan, UnreadableFoldersAreProblemsAndTheRestGoesOn) {
     EXPECT_THAT(names(result), ElementsAre("b/y.png"));
     ASSERT_THAT(result.problems, SizeIs(1));
     EXPECT_EQ(result.problems[0].path, folder / "a");
+}
+
+TEST(FolderScan, FoldersBeyondTheLongestPathAreProblems) {
+    const tests::TemporaryFolder folder;
+    folder.write("a.png", "x");
+    const std::string name(200, 'n');
+    int at = open(folder.path().c_str(), O_RDONLY | O_DIRECTORY);
+    for (int depth = 0; depth < 25; ++depth) {  // no path leads there, only one folder after the other
+        ASSERT_EQ(mkdirat(at, name.c_str(), 0700), 0);
+        const int next = openat(at, name.c_str(), O_RDONLY | O_DIRECTORY);
+        close(at);
+        at = next;
+    }
+    close(openat(at, "far.png", O_WRONLY | O_CREAT, 0600));
+    close(at);
+    const ScanResult result = scan_folder(folder.path());
+    EXPECT_THAT(names(result), ElementsAre("a.png"));
+    ASSERT_THAT(result.problems, SizeIs(1));
+    EXPECT_THAT(result.problems[0].message(), HasSubstr("move it to a place with a shorter path"));
 }
 
 TEST(FolderScan, StudyFoldersInsideTheCollectionAreSkipped) {
