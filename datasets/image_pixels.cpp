@@ -99,6 +99,37 @@ void require_complete_jpeg(const std::filesystem::path& file, std::string_view b
     throw ReadError(file, "the JPEG is cut off", again);
 }
 
+/// Numbers as text, all of them, with an end behind the last: without it OpenCV reads on, fails and prints that to
+/// stderr.
+void complete_text_pnm(const std::filesystem::path& file, std::string& bytes, const ImageHeader& header) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
+    std::size_t at = 2;
+    const auto skip_number = [&](int most_digits) {
+        for (bool comment = false; at < bytes.size() && (comment || !is_digit(bytes[at])); ++at) {
+            const char c = bytes[at];
+            if (comment) {
+                comment = c != '\n' && c != '\r';
+            } else if (c == '#') {
+                comment = true;
+            } else if (!is_space(c)) {
+                throw ReadError(file, "the image is damaged, there is a character among its numbers", again);
+            }
+        }
+        if (at == bytes.size()) throw ReadError(file, "the image is cut off", again);
+        int digits = 0;
+        for (; at < bytes.size() && is_digit(bytes[at]) && digits < most_digits; ++at) ++digits;
+        if (most_digits > 1 && at < bytes.size() && is_digit(bytes[at])) {
+            throw ReadError(file, "the image is damaged, one of its numbers is too large", again);
+        }
+    };
+    const bool bits = bytes[1] == '1';  // need no space between them
+    for (int field = 0; field < (bits ? 2 : 3); ++field) skip_number(9);
+    const double count = header.width * header.height * (bytes[1] == '3' ? 3.0 : 1.0);
+    for (double k = 0.0; k < count; ++k) skip_number(bits ? 1 : 9);
+    if (!is_space(bytes.back())) bytes += '\n';
+}
+
 PixelImage pixels_of(const std::filesystem::path& file, const cv::Mat& decoded) {
     cv::Mat mat = decoded;
     PixelImage image;
@@ -155,6 +186,7 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
         notes.emplace_back("The file has several pages: only the first is used.");
     if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes);
     if (header.format == ImageFormat::jpeg) require_complete_jpeg(file, bytes);
+    if (header.format == ImageFormat::pnm && bytes[1] <= '3') complete_text_pnm(file, bytes, header);
     cv::Mat decoded;
     try {
         // A JPEG may say that it is turned; the other formats may have alpha, which only "unchanged" keeps.

@@ -49,6 +49,28 @@ TEST(ImageDamage, CutOffFilesAreRefusedWhereverTheyAreCut) {
     }
 }
 
+TEST(ImageDamage, TextPnmNeedsNoLastLineEndAndDamageInItIsNotPrinted) {
+    const tests::TemporaryFolder folder;
+    const std::string rows = "255 255 255 255 255\n255 0 0 0 255\n255 0 0 0 255\n255 0 0 0 255\n255 255 255 255 ";
+    const std::string grey = "P2\n# a comment\n5 5\n255\n" + rows + "255";
+    const std::string bits = "P1 5 5 00000 01110 01110 01110 0000";
+    ImportOptions options;
+    options.speck_fraction = 0.0;
+    const std::string digest = normalize(read(folder.write("line end.pgm", grey + "\n"), options), {}).digest;
+    const std::vector<std::pair<std::string, std::string>> files{
+        {"a.pgm", grey}, {"b.pgm", grey + " # end"}, {"c.pbm", bits + "0"}};
+    for (const auto& [name, text] : files) {
+        EXPECT_EQ(normalize(read(folder.write(name, text), options), {}).digest, digest) << name;
+    }
+    testing::internal::CaptureStderr();
+    EXPECT_THAT(complaint(folder.write("cut.pgm", "P2\n5 5\n255\n" + rows)), HasSubstr("cut off"));
+    EXPECT_THAT(complaint(folder.write("cut.pbm", bits)), HasSubstr("cut off"));
+    EXPECT_THAT(complaint(folder.write("word.pgm", grey + "x")), "");  // behind the last number
+    EXPECT_THAT(complaint(folder.write("word 2.pgm", "P2\n5 5\n255\nx" + rows + "255\n")), HasSubstr("damaged"));
+    EXPECT_THAT(complaint(folder.write("large.pgm", "P2\n5 5\n255\n99999999999 " + rows)), HasSubstr("damaged"));
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(ImageDamage, AChangedBitInAPngIsNoticed) {
     const tests::TemporaryFolder folder;
     std::string bytes = tests::file_content(save(folder / "a.png", toned(disk_picture(64, 32, 32, 20), 255, 0)));
