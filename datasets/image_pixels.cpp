@@ -58,9 +58,44 @@ std::uint32_t crc32(std::string_view bytes) {
     return crc ^ 0xffffffffU;
 }
 
+/// The orientation (1 to 8) that Exif data tell of the picture they come with; 1, as it lies, if they do not.
+int exif_orientation(std::string_view exif) {
+    using namespace std::string_view_literals;
+    if (exif.starts_with("Exif\0\0"sv)) exif.remove_prefix(6);
+    const bool big = exif.starts_with("MM"sv);
+    const auto number = [&](std::size_t at, std::size_t count) {
+        std::size_t result = 0;
+        for (std::size_t i = 0; i < count && at + count <= exif.size(); ++i) {
+            result |= std::size_t{static_cast<unsigned char>(exif[at + i])} << 8 * (big ? count - 1 - i : i);
+        }
+        return result;
+    };
+    const std::size_t directory = number(4, 4), entries = number(directory, 2);
+    for (std::size_t i = 0; i < entries; ++i) {
+        const std::size_t at = directory + 2 + 12 * i;
+        if (number(at, 2) != 0x0112) continue;
+        const std::size_t orientation = number(at + 8, 2);
+        return orientation >= 1 && orientation <= 8 ? static_cast<int>(orientation) : 1;
+    }
+    return 1;
+}
+
+/// The picture as it is to be looked at.
+cv::Mat turned(const cv::Mat& mat, int orientation) {
+    cv::Mat result = mat;
+    if (orientation >= 5) result = mat.t();
+    constexpr int none = 2, both = -1, up_down = 0, left_right = 1;
+    constexpr int flips[] = {none, none, left_right, both, up_down, none, left_right, both, up_down};
+    if (flips[orientation] == none) return result;
+    cv::Mat flipped;
+    cv::flip(result, flipped, flips[orientation]);
+    return flipped;
+}
+
 /// The chunks of a PNG that make up its pixels, after a check that all are there and undamaged. libpng would print its
 /// complaints (also harmless ones about colour profiles) to stderr, and texts and profiles may be bombs of their own.
-std::string pixel_chunks(const std::filesystem::path& file, std::string_view bytes) {
+/// @param orientation  receives that of its Exif data, if it has any
+std::string pixel_chunks(const std::filesystem::path& file, std::string_view bytes, int& orientation) {
     std::string result(bytes.substr(0, 8));
     for (std::size_t at = 8;;) {
         if (bytes.size() - at < 12) throw ReadError(file, "the PNG is cut off", again);
@@ -74,6 +109,7 @@ std::string pixel_chunks(const std::filesystem::path& file, std::string_view byt
             }
             result += chunk;
         }
+        if (kind == "eXIf") orientation = exif_orientation(bytes.substr(at + 8, length));
         if (kind == "IEND") return result;
         at += length + 12;
     }
@@ -184,7 +220,8 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
         throw ReadError(file, "this WebP file is an animation", "save the frame that is meant as PNG");
     if (header.format == ImageFormat::tiff && header.several)
         notes.emplace_back("The file has several pages: only the first is used.");
-    if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes);
+    int orientation = 1;  // that of JPEG and TIFF is applied by OpenCV
+    if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes, orientation);
     if (header.format == ImageFormat::jpeg) require_complete_jpeg(file, bytes);
     if (header.format == ImageFormat::pnm && bytes[1] <= '3') complete_text_pnm(file, bytes, header);
     cv::Mat decoded;
@@ -201,7 +238,7 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
         throw ReadError(file, "the image is cut off or damaged, or of an unusual kind",
                         "open and save it again as PNG");
     bytes.clear();
-    return pixels_of(file, decoded);
+    return pixels_of(file, turned(decoded, orientation));
 }
 
 void write_png(const std::filesystem::path& file, const PixelImage& image) {

@@ -120,6 +120,44 @@ TEST(ImageReader, SixteenBitsColourAndPaletteAreUnderstood) {
     EXPECT_LT(disk_error(read(save(folder / "bits.png", bits, {cv::IMWRITE_PNG_BILEVEL, 1})), 47.3, 50.6, 25.4), 0.5);
 }
 
+TEST(ImageReader, APngIsTurnedAsItsExifDataSay) {
+    const tests::TemporaryFolder folder;
+    const std::vector<std::vector<std::uint8_t>> looked_at = {{1, 2, 3}, {4, 5, 6}};
+    // How the six pixels are stored for each orientation: row 0 is the top (1 to 4) or a side (5 to 8) of what is seen.
+    const std::vector<std::vector<std::vector<std::uint8_t>>> stored = {
+        {{1, 2, 3}, {4, 5, 6}},   {{3, 2, 1}, {6, 5, 4}},   {{6, 5, 4}, {3, 2, 1}},   {{4, 5, 6}, {1, 2, 3}},
+        {{1, 4}, {2, 5}, {3, 6}}, {{3, 6}, {2, 5}, {1, 4}}, {{6, 3}, {5, 2}, {4, 1}}, {{4, 1}, {5, 2}, {6, 3}}};
+    for (std::size_t k = 0; k < stored.size(); ++k) {
+        cv::Mat image(static_cast<int>(stored[k].size()), static_cast<int>(stored[k][0].size()), CV_8U);
+        for (int row = 0; row < image.rows; ++row) {
+            for (int column = 0; column < image.cols; ++column) {
+                image.at<std::uint8_t>(row, column) =
+                    stored[k][static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+            }
+        }
+        std::string bytes = tests::file_content(save(folder / "plain.png", image));
+        const auto value = static_cast<char>(k + 1);
+        const std::string big =
+            std::string("MM\0*\0\0\0\x08\0\1\x01\x12\0\3\0\0\0\1\0", 19) + value + std::string(6, '\0');
+        const std::string little =
+            std::string("II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0", 18) + value + std::string(7, '\0');
+        for (const std::string& exif : {big, little}) {
+            std::string chunk = std::string("\0\0\0", 3) + static_cast<char>(exif.size()) + "eXIf" + exif + "....";
+            std::vector<std::string> notes;
+            const PixelImage seen =
+                read_pixels(folder.write("turned.png", bytes.substr(0, 33) + chunk + bytes.substr(33)), 1.0, notes);
+            ASSERT_EQ(seen.width, 3) << k + 1;
+            ASSERT_EQ(seen.height, 2) << k + 1;
+            for (std::size_t p = 0; p < 6; ++p) EXPECT_EQ(seen.values[p], looked_at[p / 3][p % 3]) << k + 1;
+            // Data that are cut off say nothing.
+            chunk = std::string("\0\0\0\x0b", 4) + "eXIf" + exif.substr(0, 11) + "....";
+            const PixelImage plain =
+                read_pixels(folder.write("cut.png", bytes.substr(0, 33) + chunk + bytes.substr(33)), 1.0, notes);
+            EXPECT_EQ(plain.values[0], stored[k][0][0]);
+        }
+    }
+}
+
 TEST(ImageReader, OfSeveralPagesTheFirstIsReadAndThatIsSaid) {
     const tests::TemporaryFolder folder;
     const cv::Mat first = toned(disk_picture(96, 47.3, 50.6, 25.4), 255, 0);
