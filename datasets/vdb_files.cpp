@@ -1,5 +1,6 @@
 #include "datasets/vdb_files.h"
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/VolumeToMesh.h>
@@ -8,12 +9,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
+#include <sstream>
 
 #include "datasets/collection_folder.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
 #include "datasets/text_scan.h"
+#include "datasets/vdb_check.h"
 #include "datasets/voxelize.h"
 
 namespace morphodesic::datasets {
@@ -52,6 +54,15 @@ TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
     return mesh;
 }
 
+/// A text from a file or the library, fit for a message: damaged files put thousands of odd bytes into it.
+std::string shortened(const std::string& text) {
+    constexpr std::size_t longest = 100;
+    std::string result = text.substr(0, longest);
+    std::replace_if(
+        result.begin(), result.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+    return text.size() > longest ? result + "..." : result;
+}
+
 template <class T>
 void put(std::string& to, T value) {
     char bytes[sizeof value];
@@ -79,46 +90,36 @@ void write_ply_content(const fs::path& file, const TriangleMesh& mesh, const std
 }  // namespace
 
 bool is_vdb(const fs::path& file) {
-    return file.extension() == ".vdb" || file.extension() == ".VDB";
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending == ".vdb";
 }
 
 TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue, double max_megabytes,
                               std::vector<std::string>& notes) {
-    std::error_code error;
-    const auto size = fs::file_size(file, error);
-    if (error)
-        throw ReadError(file, "it cannot be read (" + error.message() + ")", "check the path and its permissions");
-    if (static_cast<double>(size) > 1e6 * max_megabytes) {
-        throw ReadError(file, "the file is larger than the limit", "reduce the volume or raise --max-megabytes");
-    }
-    openvdb::initialize();
+    CheckedVdb checked = check_vdb(file, max_megabytes, largest_voxel_count);
     openvdb::FloatGrid::Ptr grid;
-    try {
-        openvdb::io::File in(file.string());
-        in.open(false);
-        const auto headers = in.readAllGridMetadata();
-        openvdb::GridBase::ConstPtr header;  // the first level set, else the first grid of numbers
-        for (const auto& candidate : *headers) {
-            if (!candidate->isType<openvdb::FloatGrid>() && !candidate->isType<openvdb::DoubleGrid>()) continue;
-            const bool is_level_set = candidate->getGridClass() == openvdb::GRID_LEVEL_SET;
-            if (!header || (is_level_set && header->getGridClass() != openvdb::GRID_LEVEL_SET)) header = candidate;
+    if (!checked.content.empty()) {
+        openvdb::initialize();
+        try {
+            std::istringstream in(std::move(checked.content));
+            // At the end of damaged values, too, the library would read on.
+            in.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
+            openvdb::io::Stream stream(in, false);
+            const auto grids = stream.getGrids();
+            if (grids && !grids->empty()) grid = float_grid(grids->front());
+        } catch (const std::ios_base::failure&) {
+            throw ReadError(file, "its values break off", "export or download the file again");
+        } catch (const std::bad_alloc&) {
+            throw ReadError(file, "it promises more than memory can hold", "export or download the file again");
+        } catch (const std::exception& e) {
+            throw ReadError(file, "it cannot be read (" + shortened(e.what()) + ")",
+                            "export or download the file again");
         }
-        if (header) {
-            // What the file says of itself is looked at before its values are read.
-            if (const auto voxels = header->getMetadata<openvdb::Int64Metadata>("file_voxel_count")) {
-                if (voxels->value() > static_cast<std::int64_t>(largest_voxel_count)) {
-                    throw ReadError(file, "it has more voxels than 512 x 512 x 512", "resample the volume");
-                }
-            }
-            grid = float_grid(in.readGrid(header->getName()));
-            if (headers->size() > 1)
-                notes.push_back("Of " + std::to_string(headers->size()) + " grids, \"" + header->getName() +
-                                "\" was used.");
+        if (checked.grid_count > 1) {
+            notes.push_back("Of " + std::to_string(checked.grid_count) + " grids, \"" + shortened(checked.grid_name) +
+                            "\" was used.");
         }
-    } catch (const ReadError&) {
-        throw;
-    } catch (const std::exception& e) {
-        throw ReadError(file, std::string("it cannot be read (") + e.what() + ")", "export or download the file again");
     }
     if (!grid) throw ReadError(file, "there is no grid of numbers in it", "save a level set or a density");
     if (!grid->transform().isLinear()) throw ReadError(file, "its grid is not a regular one", "resample it");

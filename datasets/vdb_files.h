@@ -9,7 +9,7 @@
 
 namespace morphodesic::datasets {
 
-/// True if the name ends in .vdb.
+/// True if the name ends in .vdb, in letters of any size.
 bool is_vdb(const std::filesystem::path& file);
 
 /// Closed surface of the first level set of a .vdb file, else of its first grid of numbers: level sets at 0, other

@@ -3,6 +3,7 @@
 
 #include "datasets/import.h"
 #include "datasets/point_cloud_reader.h"
+#include "datasets/read_error.h"
 #include "datasets/solid_pictures.h"
 #include "datasets/solid_reader.h"
 #include "datasets/synthetic.h"
@@ -70,18 +71,61 @@ TEST(VdbFiles, LevelSetSurvivesTheRoundTrip) {
         if (std::abs(u.values[i]) > 0.1) continue;
         EXPECT_NEAR(back.level_set.values[i], u.values[i], 0.1 / 32);
     }
-    // cut off: refused, no crash
-    std::ifstream in(file, std::ios::binary);
-    const std::string content((std::istreambuf_iterator<char>(in)), {});
-    for (std::size_t size = 0; size + 100 < content.size(); size += content.size() / 23) {
-        try {
-            read_shape<3>(single_source(folder.write("cut.vdb", content.substr(0, size))));
-        } catch (const ReadError&) {
-        }
-    }
     write_ply(folder.path() / "ball.ply", u, {{"dissipation", &height}});
     const Shape<3> mesh = import_shape<3>(single_source(folder.path() / "ball.ply"), {}, none);
     EXPECT_NEAR(mesh.volume, 4.0 / 3.0 * 3.14159265 * 0.027, 0.002);
+}
+
+/// A ball and a second grid, as the program itself writes them.
+std::string vdb_content(const FileFolder& folder) {
+    const LevelSet<3> u = ball<3>(DyadicGrid<3>(4), {0.5, 0.5, 0.5}, 0.3);
+    const ScalarField<3> height(u.grid);
+    write_vdb(folder.path() / "whole.vdb", u, {{"dissipation", &height}});
+    std::ifstream in(folder.path() / "whole.vdb", std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string vdb_refusal(const std::filesystem::path& file) {
+    std::vector<std::string> notes;
+    try {
+        read_vdb_surface(file, "auto", 100, notes);
+    } catch (const ReadError& error) {
+        EXPECT_FALSE(error.remedy().empty());
+        return error.problem();
+    }
+    return "";
+}
+
+/// The library's own reader takes lengths from beyond the end of a file that breaks off, and all memory.
+TEST(VdbFiles, BrokenOffAnywhereIsSaid) {
+    const FileFolder folder;
+    const std::string content = vdb_content(folder);
+    EXPECT_EQ(vdb_refusal(folder.path() / "whole.vdb"), "");
+    for (std::size_t size = 1; size < content.size(); size += size < 500 ? 1 : content.size() / 23) {
+        EXPECT_THAT(vdb_refusal(folder.write("cut.vdb", content.substr(0, size))), HasSubstr("breaks off")) << size;
+    }
+    EXPECT_THAT(vdb_refusal(folder.write("cut.vdb", content.substr(0, content.size() - 1))), HasSubstr("breaks off"));
+    EXPECT_THAT(vdb_refusal(folder.write("cut.vdb", "")), HasSubstr("empty"));
+    EXPECT_THAT(vdb_refusal(folder.write("other.vdb", std::string(500, 'a'))), HasSubstr("like a VDB file"));
+}
+
+TEST(VdbFiles, DamagedDescriptionsGiveShortMessages) {
+    const FileFolder folder;
+    const std::string content = vdb_content(folder);
+    std::uint32_t random = 4321;
+    for (int round = 0; round < 300; ++round) {
+        std::string damaged = content;
+        for (int i = 0; i < 4; ++i) {
+            random = random * 1664525U + 1013904223U;
+            damaged[(random >> 8) % 300] = static_cast<char>(random >> 24);
+        }
+        EXPECT_LT(vdb_refusal(folder.write("damaged.vdb", damaged)).size(), 200U);
+    }
+}
+
+TEST(VdbFiles, NamesMayBeWrittenInAnyLetters) {
+    EXPECT_TRUE(is_vdb("a.vdb") && is_vdb("a.VDB") && is_vdb("a.Vdb"));
+    EXPECT_FALSE(is_vdb("vdb"));
 }
 
 TEST(SolidPictures, BallIsRoundAndColoured) {
