@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <numeric>
 
 #include "datasets/ply_check.h"
 #include "datasets/read_error.h"
@@ -22,14 +23,6 @@ std::string at_line(std::size_t line) {
     return "line " + std::to_string(line) + ": ";
 }
 
-void append(std::string& text, const Vector3& p) {
-    char number[32];
-    for (const double x : p) {
-        text += ' ';
-        text.append(number, std::to_chars(number, number + sizeof number, x).ptr);
-    }
-}
-
 Vector3 coordinates(const fs::path& file, std::size_t line_number, std::string_view& line) {
     Vector3 p;
     for (double& x : p) {
@@ -45,22 +38,10 @@ Vector3 coordinates(const fs::path& file, std::size_t line_number, std::string_v
     return p;
 }
 
-void check_face_count(const fs::path& file, std::size_t faces) {
-    if (faces > largest_face_count) {
-        throw ReadError(file, "more than " + std::to_string(largest_face_count / 1'000'000) + " million faces",
-                        "reduce the mesh (decimate it); a hundred thousand triangles are plenty");
-    }
-}
-
-/// Points and faces are kept, written out plainly: materials, textures, normals, groups and curves are no part of a
-/// shape, and reading them would open other files and split points.
-CheckedMesh check_obj(const fs::path& file, const std::string& content) {
+CheckedMesh check_obj(const fs::path& file, std::string_view content) {
     CheckedMesh result;
-    result.format = MeshFormat::obj;
-    std::string faces;
     long long largest = 0;
     std::size_t largest_line = 0, small_faces = 0;
-    std::vector<long long> corners;
     TextScan scan(content);
     std::string joined;
     while (!scan.done()) {
@@ -77,14 +58,9 @@ CheckedMesh check_obj(const fs::path& file, const std::string& content) {
         }
         const std::string_view key = TextScan::word(line);
         if (key == "v") {
-            const Vector3 p = coordinates(file, scan.line_number(), line);
-            result.points.push_back(p);
-            ++result.point_count;
-            result.content += 'v';
-            append(result.content, p);
-            result.content += '\n';
+            result.points.push_back(coordinates(file, scan.line_number(), line));
         } else if (key == "f") {
-            corners.clear();
+            const std::size_t before = result.corners.size();
             for (std::string_view word = TextScan::word(line); !word.empty(); word = TextScan::word(line)) {
                 if (word.front() == '#') break;
                 long long index = 0;
@@ -92,31 +68,30 @@ CheckedMesh check_obj(const fs::path& file, const std::string& content) {
                     refuse(file, at_line(scan.line_number()) + "\"" + std::string(word.substr(0, 40)) +
                                      "\" is not the number of a point");
                 }
-                if (index < 0) index += static_cast<long long>(result.point_count) + 1;
+                if (index < 0) index += static_cast<long long>(result.points.size()) + 1;
                 if (index < 1) refuse(file, at_line(scan.line_number()) + "a face names a point that does not exist");
                 if (index > largest) largest = index, largest_line = scan.line_number();
-                corners.push_back(index);
+                result.corners.push_back(static_cast<int>(std::min<long long>(index, largest_point_count) - 1));
             }
-            if (corners.size() < 3) {
+            const std::size_t corners = result.corners.size() - before;
+            if (corners < 3) {
                 ++small_faces;
+                result.corners.resize(before);
                 continue;
             }
-            check_face_count(file, ++result.face_count);
-            faces += 'f';
-            for (const long long c : corners) faces += ' ', faces += std::to_string(c);
-            faces += '\n';
+            check_corner_count(file, result.face_sizes.size(), corners);
+            result.face_sizes.push_back(static_cast<int>(corners));
+            check_face_count(file, result.face_sizes.size());
         }
     }
-    if (result.point_count == 0) refuse(file, "there is not a single point (line \"v x y z\") in it");
-    if (largest > static_cast<long long>(result.point_count)) {
+    if (result.points.empty()) refuse(file, "there is not a single point (line \"v x y z\") in it");
+    if (largest > static_cast<long long>(result.points.size())) {
         refuse(file, at_line(largest_line) + "a face names point " + std::to_string(largest) + " of " +
-                         std::to_string(result.point_count));
+                         std::to_string(result.points.size()));
     }
     if (small_faces > 0) {
         result.notes.push_back("Skipped " + std::to_string(small_faces) + " faces of fewer than three corners.");
     }
-    result.content += faces;
-    if (result.face_count > 0) result.points.clear();
     return result;
 }
 
@@ -130,19 +105,35 @@ std::string_view next_data_line(TextScan& scan) {
     return {};
 }
 
-CheckedMesh check_off(const fs::path& file, const std::string& content) {
-    CheckedMesh result;
-    result.format = MeshFormat::off;
-    TextScan scan(content);
-    std::string_view line = next_data_line(scan);
-    const std::string_view magic = TextScan::word(line);
-    if (!magic.ends_with("OFF")) refuse(file, "an OFF file begins with the word OFF");
-    if (magic.find_first_of("4n") != std::string_view::npos)
+/// Cuts the mark "OFF", with its letters for further properties, off a line; also where the counts follow without a
+/// blank. Files without it begin with the counts.
+void skip_off_mark(const fs::path& file, std::string_view& line) {
+    std::string_view rest = line;
+    const std::string_view first = TextScan::word(rest);
+    std::size_t count = 0;
+    if (TextScan::number(first, count)) return;
+    const std::size_t mark = first.find("OFF");
+    const std::string_view letters = first.substr(0, mark),
+                           behind = mark == std::string_view::npos ? first : first.substr(mark + 3);
+    if (mark == std::string_view::npos || letters.find_first_not_of("STCN4n") != std::string_view::npos ||
+        (!behind.empty() && !TextScan::number(behind, count))) {
+        refuse(file, "an OFF file begins with the word OFF");
+    }
+    if (letters.find_first_of("4n") != std::string_view::npos)
         refuse(file, "OFF files of four or more dimensions are no solids");
-    if (TextScan::word(line) == "BINARY") {
+    line.remove_prefix(static_cast<std::size_t>(behind.data() - line.data()));
+    rest = line;
+    if (TextScan::word(rest) == "BINARY") {
         throw ReadError(file, "this is a binary OFF file, a rare kind that is not read", "convert it to PLY or STL");
     }
-    line = next_data_line(scan);
+}
+
+CheckedMesh check_off(const fs::path& file, std::string_view content) {
+    CheckedMesh result;
+    TextScan scan(content);
+    std::string_view line = next_data_line(scan);
+    skip_off_mark(file, line);
+    if (line.find_first_not_of(" \t\v\f") == std::string_view::npos) line = next_data_line(scan);
     std::size_t points = 0, faces = 0;
     if (!TextScan::number(TextScan::word(line), points) || !TextScan::number(TextScan::word(line), faces)) {
         refuse(file, at_line(scan.line_number()) + "the numbers of points and faces are missing");
@@ -155,13 +146,8 @@ CheckedMesh check_off(const fs::path& file, const std::string& content) {
             refuse(file, "the header promises " + std::to_string(points) + " points, the file ends after " +
                              std::to_string(i));
         }
-        const Vector3 p = coordinates(file, scan.line_number(), line);
-        result.points.push_back(p);
-        append(result.content, p);
-        result.content += '\n';
+        result.points.push_back(coordinates(file, scan.line_number(), line));
     }
-    std::string text;
-    std::size_t kept = 0;
     for (std::size_t i = 0; i < faces; ++i) {
         line = next_data_line(scan);
         if (line.empty()) {
@@ -172,24 +158,23 @@ CheckedMesh check_off(const fs::path& file, const std::string& content) {
         if (!TextScan::number(TextScan::word(line), corners)) {
             refuse(file, at_line(scan.line_number()) + "the number of corners is missing");
         }
-        std::string face = std::to_string(corners);
+        const std::size_t before = result.corners.size();
         for (std::size_t c = 0; c < corners; ++c) {
             std::size_t index = 0;
             const std::string_view word = TextScan::word(line);
-            if (!TextScan::number(word, index) || index >= points) {
+            if (!TextScan::number(word, index) || index >= std::min(points, largest_point_count)) {
                 refuse(file, at_line(scan.line_number()) + "a face names point \"" + std::string(word.substr(0, 40)) +
                                  "\" of " + std::to_string(points) + " (counted from 0)");
             }
-            face += ' ' + std::to_string(index);
+            result.corners.push_back(static_cast<int>(index));
         }
-        if (corners < 3) continue;
-        ++kept;
-        text += face + '\n';
+        check_corner_count(file, i, corners);
+        if (corners >= 3) {
+            result.face_sizes.push_back(static_cast<int>(corners));
+        } else {
+            result.corners.resize(before);
+        }
     }
-    result.content = "OFF\n" + std::to_string(points) + ' ' + std::to_string(kept) + " 0\n" + result.content + text;
-    result.point_count = points;
-    result.face_count = kept;
-    if (kept > 0) result.points.clear();
     return result;
 }
 
@@ -202,39 +187,31 @@ std::size_t binary_stl_triangles(std::string_view content) {
 bool is_ascii_stl(std::string_view content) {
     if (content.size() >= 84 && content.size() == 84 + 50 * binary_stl_triangles(content)) return false;
     const std::size_t begin = content.find_first_not_of(" \t\r\n");
-    return begin != std::string_view::npos && content.substr(begin, 5) == "solid" &&
+    return begin != std::string_view::npos && TextScan::is_word(content.substr(begin, 5), "solid") &&
            content.substr(0, 4096).find('\0') == std::string_view::npos;
 }
 
-CheckedMesh check_stl(const fs::path& file, std::string content) {
+CheckedMesh check_stl(const fs::path& file, std::string_view content) {
     CheckedMesh result;
-    result.format = MeshFormat::stl;
     if (is_ascii_stl(content)) {
         TextScan scan(content);
         std::size_t corners = 0, facets = 0, ended = 0;
         bool complete = false;
-        std::string plain = "solid shape\n";
         while (!scan.done()) {
             std::string_view line = scan.line();
             const std::string_view key = TextScan::word(line);
-            if (key == "facet") ++facets;
-            if (key == "endfacet") ++ended;
-            if (key == "endsolid") complete = true;
-            if (key != "vertex") continue;
-            const Vector3 p = coordinates(file, scan.line_number(), line);
-            if (corners % 3 == 0) plain += "facet normal 0 0 0\nouter loop\n";
-            plain += "vertex";
-            append(plain, p);
-            plain += '\n';
-            if (++corners % 3 == 0) plain += "endloop\nendfacet\n";
+            if (TextScan::is_word(key, "facet")) ++facets;
+            if (TextScan::is_word(key, "endfacet")) ++ended;
+            if (TextScan::is_word(key, "endsolid")) complete = true;
+            if (!TextScan::is_word(key, "vertex")) continue;
+            result.points.push_back(coordinates(file, scan.line_number(), line));
+            ++corners;
         }
         if (corners == 0) refuse(file, "there are no triangles in it");
         if (corners % 3 != 0 || facets * 3 != corners || ended != facets || !complete) {
             refuse(file, "it breaks off (" + std::to_string(corners) + " corners, " + std::to_string(facets) +
                              " facets" + (complete ? ")" : ", no endsolid)"));
         }
-        result.content = plain + "endsolid shape\n";
-        result.face_count = corners / 3;
     } else {
         if (content.size() < 84)
             refuse(file, "too short for an STL file (" + std::to_string(content.size()) + " bytes)");
@@ -244,6 +221,7 @@ CheckedMesh check_stl(const fs::path& file, std::string content) {
             refuse(file, "the header promises " + std::to_string(n) + " triangles, the file ends after " +
                              std::to_string((content.size() - 84) / 50));
         }
+        check_face_count(file, n);
         for (std::size_t t = 0; t < n; ++t) {
             float c[9];
             std::memcpy(c, content.data() + 84 + 50 * t + 12, sizeof c);
@@ -252,19 +230,33 @@ CheckedMesh check_stl(const fs::path& file, std::string content) {
                     refuse(file, "a coordinate of triangle " + std::to_string(t + 1) + " is not finite");
                 }
             }
+            for (int i = 0; i < 9; i += 3) result.points.push_back({c[i], c[i + 1], c[i + 2]});
         }
         if (content.size() > 84 + 50 * n) result.notes.push_back("Bytes behind the last triangle were ignored.");
-        content.resize(84 + 50 * n);
-        std::fill_n(content.begin(), 80, ' ');  // a header that begins with "solid" misleads parsers
-        result.content = std::move(content);
-        result.face_count = n;
     }
-    check_face_count(file, result.face_count);
-    result.point_count = 3 * result.face_count;
+    check_face_count(file, result.points.size() / 3);
+    result.face_sizes.assign(result.points.size() / 3, 3);
+    result.corners.resize(result.points.size());
+    std::iota(result.corners.begin(), result.corners.end(), 0);
     return result;
 }
 
 }  // namespace
+
+void check_face_count(const fs::path& file, std::size_t faces) {
+    if (faces > largest_face_count) {
+        throw ReadError(file, "more than " + std::to_string(largest_face_count / 1'000'000) + " million faces",
+                        "reduce the mesh (decimate it); a hundred thousand triangles are plenty");
+    }
+}
+
+void check_corner_count(const fs::path& file, std::size_t face, std::size_t corners) {
+    if (corners > most_corners) {
+        throw ReadError(
+            file, "face " + std::to_string(face + 1) + " has more than " + std::to_string(most_corners) + " corners",
+            "cut the faces into triangles before you save it");
+    }
+}
 
 std::string file_content(const fs::path& file, double max_megabytes) {
     std::error_code error;
@@ -298,16 +290,17 @@ MeshFormat mesh_format(const fs::path& file, std::string_view content) {
     throw ReadError(file, "this is not a mesh that can be read", "use PLY, OBJ, STL or OFF");
 }
 
-CheckedMesh check_mesh(const fs::path& file, std::string content) {
-    switch (mesh_format(file, content)) {
+CheckedMesh check_mesh(const fs::path& file, const std::string& content) {
+    const std::string_view text = TextScan::without_mark(content);
+    switch (mesh_format(file, text)) {
         case MeshFormat::obj:
-            return check_obj(file, content);
+            return check_obj(file, text);
         case MeshFormat::off:
-            return check_off(file, content);
+            return check_off(file, text);
         case MeshFormat::stl:
-            return check_stl(file, std::move(content));
+            return check_stl(file, is_ascii_stl(text) ? text : std::string_view(content));
         case MeshFormat::ply:
-            return check_ply(file, std::move(content));
+            return check_ply(file, text);
     }
     return {};
 }

@@ -12,19 +12,27 @@ namespace morphodesic::datasets {
 
 enum class MeshFormat { obj, ply, stl, off };
 
-/// A mesh file that keeps its promises: all counts, indices and numbers have been looked at, so that a parser can be
-/// let loose on it.
+/// A mesh file that keeps its promises: all counts, indices and numbers have been looked at. Materials, textures,
+/// normals, groups, colours and curves are no part of a shape.
 struct CheckedMesh {
-    MeshFormat format = MeshFormat::ply;
-    std::string content;  ///< what to parse: the file, or for OBJ and OFF its points and faces written out plainly
-    std::size_t point_count = 0;
-    std::size_t face_count = 0;   ///< triangles, quads, polygons; 0: a point cloud
-    std::vector<Vector3> points;  ///< of a point cloud; empty if there are faces
+    std::vector<Vector3> points;  ///< as the file has them, in double precision
+    std::vector<int> face_sizes;  ///< [faces] numbers of corners, at least 3; empty: a point cloud
+    std::vector<int> corners;     ///< of all faces, one after the other: numbers of points
     std::vector<std::string> notes;
 };
 
 /// Larger meshes are refused before memory is asked for.
 inline constexpr std::size_t largest_face_count = 20'000'000;
+/// Points are numbered by int.
+inline constexpr std::size_t largest_point_count = 2'147'483'647;
+/// Polygons of more corners are refused: cutting them takes too long.
+inline constexpr std::size_t most_corners = 10'000;
+
+/// @throws ReadError if there are more faces than largest_face_count
+void check_face_count(const std::filesystem::path& file, std::size_t faces);
+/// @param face  its number, from 0
+/// @throws ReadError if it has more corners than most_corners
+void check_corner_count(const std::filesystem::path& file, std::size_t face, std::size_t corners);
 
 /// The bytes of a file.
 /// @throws ReadError if it cannot be read, is empty or larger than max_megabytes
@@ -37,6 +45,6 @@ MeshFormat mesh_format(const std::filesystem::path& file, std::string_view conte
 /// Walks through the whole file: truncated data, counts that lie, indices out of range, coordinates that are not
 /// finite.
 /// @throws ReadError
-CheckedMesh check_mesh(const std::filesystem::path& file, std::string content);
+CheckedMesh check_mesh(const std::filesystem::path& file, const std::string& content);
 
 }  // namespace morphodesic::datasets

@@ -192,19 +192,15 @@ bool is_index_list(const Property& p) {
 
 }  // namespace
 
-CheckedMesh check_ply(const fs::path& file, std::string content) {
+CheckedMesh check_ply(const fs::path& file, std::string_view content) {
     const Header header = parsed_header(file, content);
     const bool is_text = header.format == "ascii";
     CheckedMesh result;
-    result.format = MeshFormat::ply;
-    Source source(std::string_view(content).substr(header.size), is_text, header.format == "binary_big_endian");
-    std::size_t strips = 0;
-    std::string faces;
-    const auto put = [](std::string& to, const auto value) {
-        char bytes[sizeof value];
-        std::memcpy(bytes, &value, sizeof value);
-        to.append(bytes, sizeof value);
-    };
+    Source source(content.substr(header.size), is_text, header.format == "binary_big_endian");
+    std::size_t strips = 0, point_count = 0;
+    for (const Element& element : header.elements) {  // faces may come before the points they name
+        if (element.name == "vertex") point_count = std::min<std::size_t>(element.count, largest_point_count);
+    }
     for (const Element& element : header.elements) {
         const bool is_point = element.name == "vertex", is_face = element.name == "face";
         strips += element.name == "tristrips" ? element.count : 0;
@@ -223,8 +219,7 @@ CheckedMesh check_ply(const fs::path& file, std::string content) {
             }
         }
         if (is_point && *std::min_element(axis.begin(), axis.end()) < 0) refuse(file, "its points have no x, y and z");
-        if (is_point && result.point_count > 0) refuse(file, "its header has two lists of points");
-        if (is_point) result.point_count = element.count;
+        if (is_point && !result.points.empty()) refuse(file, "its header has two lists of points");
         for (std::size_t i = 0; i < element.count; ++i) {
             Vector3 point{};
             for (std::size_t p = 0; p < element.properties.size(); ++p) {
@@ -251,24 +246,21 @@ CheckedMesh check_ply(const fs::path& file, std::string content) {
                                      " entries");
                 }
                 const bool is_corners = is_face && is_index_list(property) && length >= 3;
-                if (is_corners && length > 255) refuse(file, "a face has more than 255 corners");
-                if (is_corners) ++result.face_count, put(faces, static_cast<std::uint8_t>(length));
+                if (is_corners) {
+                    check_corner_count(file, i, static_cast<std::size_t>(length));
+                    result.face_sizes.push_back(static_cast<int>(length));
+                    check_face_count(file, result.face_sizes.size());
+                }
                 for (std::size_t c = 0; c < static_cast<std::size_t>(length); ++c) {
                     if (!source.next(property.type, value)) broken();
                     if (!is_face || !is_index_list(property)) continue;
-                    if (!(value >= 0.0 && value < static_cast<double>(result.point_count)) ||
-                        value != std::floor(value)) {
+                    if (!(value >= 0.0 && value < static_cast<double>(point_count)) || value != std::floor(value)) {
                         char text[32];
                         std::snprintf(text, sizeof text, "%.17g", value);
                         refuse(file, "face " + std::to_string(i + 1) + " names point " + text + " of " +
-                                         std::to_string(result.point_count) + " (counted from 0)");
+                                         std::to_string(point_count) + " (counted from 0)");
                     }
-                    if (is_corners) put(faces, static_cast<std::uint32_t>(value));
-                }
-                if (result.face_count > largest_face_count) {
-                    throw ReadError(file,
-                                    "more than " + std::to_string(largest_face_count / 1'000'000) + " million faces",
-                                    "reduce the mesh (decimate it)");
+                    if (is_corners) result.corners.push_back(static_cast<int>(value));
                 }
             }
             if (is_point) {
@@ -282,20 +274,9 @@ CheckedMesh check_ply(const fs::path& file, std::string content) {
         }
     }
     if (result.points.empty()) refuse(file, "there are no points in it");
-    if (strips > 0 && result.face_count == 0) {
+    if (strips > 0 && result.face_sizes.empty()) {
         throw ReadError(file, "its faces are triangle strips, an old kind that is not read",
                         "convert it to plain triangles, for example with MeshLab");
-    }
-    // Only what makes up the shape, in one plain kind of PLY, is left for the parser.
-    if (result.face_count > 0) {
-        result.content = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(result.point_count) +
-                         "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                         std::to_string(result.face_count) + "\nproperty list uchar uint vertex_indices\nend_header\n";
-        for (const auto& p : result.points) {
-            for (const double x : p) put(result.content, x);
-        }
-        result.content += faces;
-        result.points.clear();
     }
     return result;
 }

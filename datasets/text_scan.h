@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -39,6 +40,17 @@ public:
         const std::string_view result = line.substr(0, end);
         line.remove_prefix(result.size());
         return result;
+    }
+
+    /// A text without the mark that some editors put before its first letter (UTF-8).
+    static std::string_view without_mark(std::string_view text) {
+        return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+    }
+
+    /// True if a word is the given one, in letters of any size.
+    static bool is_word(std::string_view word, std::string_view in_small_letters) {
+        return std::equal(word.begin(), word.end(), in_small_letters.begin(), in_small_letters.end(),
+                          [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
     }
 
     /// True if the whole word is a number (nan and inf are numbers too).

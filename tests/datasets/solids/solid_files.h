@@ -55,6 +55,32 @@ inline TriangleMesh box_mesh(const Vector3& low, const Vector3& high) {
     return mesh;
 }
 
+/// A box whose faces have divisions x divisions quads, cut into triangles; points on its edges are repeated.
+inline TriangleMesh divided_box_mesh(const Vector3& low, const Vector3& high, int divisions) {
+    TriangleMesh mesh;
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2, u = (axis + 1 + face % 2) % 3, v = (axis + 2 - face % 2) % 3;
+        const int first = static_cast<int>(mesh.points.size());
+        for (int j = 0; j <= divisions; ++j) {
+            for (int i = 0; i <= divisions; ++i) {
+                Vector3 p;
+                p[axis] = face % 2 ? low[axis] : high[axis];
+                p[u] = low[u] + (high[u] - low[u]) * i / divisions;
+                p[v] = low[v] + (high[v] - low[v]) * j / divisions;
+                mesh.points.push_back(p);
+            }
+        }
+        for (int j = 0; j < divisions; ++j) {
+            for (int i = 0; i < divisions; ++i) {
+                const int a = first + i + (divisions + 1) * j, b = a + divisions + 1;
+                mesh.triangles.push_back({a, a + 1, b + 1});
+                mesh.triangles.push_back({a, b + 1, b});
+            }
+        }
+    }
+    return mesh;
+}
+
 inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
     const int first = static_cast<int>(a.points.size());
     a.points.insert(a.points.end(), b.points.begin(), b.points.end());
@@ -79,9 +105,9 @@ inline std::string off_text(const TriangleMesh& mesh) {
     return out.str();
 }
 
-inline std::string ascii_stl(const TriangleMesh& mesh) {
+inline std::string ascii_stl(const TriangleMesh& mesh, int digits = 9) {
     std::ostringstream out;
-    out.precision(9);
+    out.precision(digits);
     out << "solid test\n";
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         out << "facet normal 0 0 0\n outer loop\n";

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "datasets/mesh_reader.h"
 #include "datasets/read_error.h"
 #include "tests/datasets/solids/solid_files.h"
@@ -21,6 +23,33 @@ std::map<std::string, std::string> all_formats(const TriangleMesh& mesh) {
             {"text.ply", ply_file(mesh, "ascii")},
             {"little.ply", ply_file(mesh, "binary_little_endian")},
             {"big.ply", ply_file(mesh, "binary_big_endian")}};
+}
+
+/// Faces of any number of corners in the three formats that know them.
+std::map<std::string, std::string> polygon_files(const std::vector<Vector3>& points,
+                                                 const std::vector<std::vector<int>>& faces) {
+    std::ostringstream obj, off, ply;
+    off << "OFF\n" << points.size() << ' ' << faces.size() << " 0\n";
+    ply << "ply\nformat ascii 1.0\nelement face " << faces.size() << "\nproperty list ushort int vertex_index\n"
+        << "element vertex " << points.size() << "\nproperty double x\nproperty double y\nproperty double z\n"
+        << "end_header\n";
+    for (auto* out : {&obj, &off, &ply}) out->precision(17);
+    for (const auto& face : faces) {  // in this PLY before the points, as it may be
+        ply << face.size();
+        for (const int c : face) ply << ' ' << c;
+        ply << '\n';
+    }
+    for (const auto& p : points) {
+        obj << "v " << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+        for (auto* out : {&off, &ply}) *out << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+    }
+    for (const auto& face : faces) {
+        obj << 'f';
+        off << face.size();
+        for (const int c : face) obj << ' ' << c + 1, off << ' ' << c;
+        obj << '\n', off << '\n';
+    }
+    return {{"a.obj", obj.str()}, {"a.off", off.str()}, {"a.ply", ply.str()}};
 }
 
 /// The message of the refusal; fails if the file is read.
@@ -62,6 +91,116 @@ TEST(MeshReader, ObjDialects) {
     EXPECT_NEAR(signed_volume(file.mesh), 0.09375, 1e-6);
     ASSERT_EQ(file.notes.size(), 1U);
     EXPECT_THAT(file.notes[0], HasSubstr("fewer than three corners"));
+}
+
+TEST(MeshReader, PolygonsOfAnyNumberOfCorners) {
+    const FileFolder folder;
+    for (const int n : {5, 9, 10, 12, 300}) {
+        std::vector<Vector3> points;
+        std::vector<std::vector<int>> faces(2);
+        for (int i = 0; i < n; ++i) {
+            const double angle = 2 * std::numbers::pi * i / n;
+            for (const double z : {0.0, 1.0}) points.push_back({std::cos(angle), std::sin(angle), z});
+            faces.push_back({2 * i, (2 * i + 2) % (2 * n), (2 * i + 3) % (2 * n), 2 * i + 1});
+            faces[0].insert(faces[0].begin(), 2 * i);
+            faces[1].push_back(2 * i + 1);
+        }
+        for (const auto& [name, content] : polygon_files(points, faces)) {
+            MeshFile file = read_mesh(folder.write(name, content));
+            clean(file.mesh);
+            EXPECT_TRUE(topology(file.mesh).closed()) << name << " of " << n;
+            EXPECT_NEAR(signed_volume(file.mesh), 0.5 * n * std::sin(2 * std::numbers::pi / n), 1e-6) << name;
+            EXPECT_TRUE(file.notes.empty());
+        }
+    }
+    std::string huge = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < 10'001; ++i) huge += " " + std::to_string(i % 3 + 1);
+    EXPECT_THAT(refusal(folder.write("huge.obj", huge)), HasSubstr("face 1 has more than 10000 corners"));
+}
+
+/// A prism over a U with more points than corners: each of them is a corner of some triangle, whichever comes first.
+TEST(MeshReader, PointsOnStraightSidesAreKept) {
+    const FileFolder folder;
+    const std::vector<std::array<double, 2>> outline{{0, 0}, {1.5, 0}, {3, 0}, {3, 1}, {3, 3},   {2, 3},
+                                                     {2, 2}, {2, 1},   {1, 1}, {1, 3}, {0.5, 3}, {0, 3}};
+    const int n = static_cast<int>(outline.size());
+    for (int first = 0; first < n; ++first) {
+        std::vector<Vector3> points;
+        std::vector<std::vector<int>> faces(2);
+        for (int i = 0; i < n; ++i) {
+            const auto& p = outline[(i + first) % n];
+            for (const double z : {0.0, 0.1}) points.push_back({p[0], p[1], z});
+            faces.push_back({2 * i, (2 * i + 2) % (2 * n), (2 * i + 3) % (2 * n), 2 * i + 1});
+            faces[0].insert(faces[0].begin(), 2 * i);
+            faces[1].push_back(2 * i + 1);
+        }
+        for (const auto& [name, content] : polygon_files(points, faces)) {
+            MeshFile file = read_mesh(folder.write(name, content));
+            clean(file.mesh);
+            EXPECT_TRUE(topology(file.mesh).closed()) << name << " from " << first;
+            EXPECT_EQ(file.mesh.triangles.size(), 4U * n - 4U);
+            EXPECT_NEAR(signed_volume(file.mesh), 0.7, 1e-6) << name;
+            EXPECT_NEAR(surface_area(file.mesh), 2 * 7 + 0.1 * 16, 1e-5) << name << " from " << first;
+        }
+    }
+}
+
+TEST(MeshReader, FarFromTheOriginTheShapeIsTheSame) {
+    const FileFolder folder;
+    const TriangleMesh ball = ball_mesh({0, 0, 0}, 1.0, 4);
+    for (const double away : {1e3, 1e6, 1e9}) {
+        TriangleMesh moved = ball;
+        for (auto& p : moved.points) p = p + Vector3{away, -0.3 * away, 300};
+        for (const auto& [name, content] : std::map<std::string, std::string>{
+                 {"a.obj", obj_text(moved)}, {"a.off", off_text(moved)}, {"a.stl", ascii_stl(moved, 17)}}) {
+            MeshFile file = read_mesh(folder.write(name, content));
+            clean(file.mesh);
+            EXPECT_TRUE(topology(file.mesh).closed()) << name;
+            EXPECT_NEAR(signed_volume(file.mesh), signed_volume(ball), 1e-6) << name << " at " << away;
+            EXPECT_NEAR(file.mesh.points.front()[2], moved.points[moved.triangles.front()[0]][2], 1e-6);
+        }
+    }
+    // Corners of neighbours that differ in their last digits are one point.
+    TriangleMesh soup;
+    for (std::size_t t = 0; t < box.triangles.size(); ++t) {
+        for (const auto& p : box.corners(t)) soup.points.push_back((1.0 + 1e-15 * static_cast<double>(t)) * p);
+        const int first = 3 * static_cast<int>(t);
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    MeshFile file = read_mesh(folder.write("soup.obj", obj_text(soup)));
+    clean(file.mesh);
+    EXPECT_EQ(file.mesh.points.size(), 8U);
+}
+
+std::string in_capitals(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+    return text;
+}
+
+TEST(MeshReader, DialectsOfEditorsAndCollections) {
+    const FileFolder folder;
+    const std::string mark = "\xEF\xBB\xBF", off = off_text(box);
+    const std::string counts = off.substr(4);  // behind "OFF\n"
+    for (const auto& [name, content] :
+         std::map<std::string, std::string>{{"capitals.stl", in_capitals(ascii_stl(box))},
+                                            {"mixed.stl", "Solid" + ascii_stl(box).substr(5)},
+                                            {"marked.stl", mark + ascii_stl(box)},
+                                            {"marked.obj", mark + obj_text(box)},
+                                            {"marked.off", mark + off},
+                                            {"marked.ply", mark + ply_file(box, "ascii")},
+                                            {"line.off", "OFF " + counts},
+                                            {"joined.off", "OFF" + counts},
+                                            {"none.off", counts},
+                                            {"letters.off", "COFF\n# colours follow\n" + counts}}) {
+        MeshFile file = read_mesh(folder.write(name, content));
+        clean(file.mesh);
+        EXPECT_EQ(file.mesh.triangles.size(), 12U) << name;
+        EXPECT_NEAR(signed_volume(file.mesh), 0.5 * 0.25 * 0.75, 1e-7) << name;
+    }
+    EXPECT_THAT(refusal(folder.write("binary.off", "OFF BINARY\n12345")), HasSubstr("binary OFF"));
+    EXPECT_THAT(refusal(folder.write("four.off", "4OFF\n" + counts)), HasSubstr("four or more dimensions"));
+    EXPECT_THAT(refusal(folder.write("word.off", "OFFICE\n" + counts)), HasSubstr("begins with the word"));
+    EXPECT_THAT(refusal(folder.write("bare.off", "OFF\n")), HasSubstr("are missing"));
 }
 
 TEST(MeshReader, PointsWithoutFacesAreACloud) {
