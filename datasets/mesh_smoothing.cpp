@@ -213,7 +213,7 @@ double roughness(const TriangleMesh& mesh) {
     return *middle;
 }
 
-double bump_correlation(const TriangleMesh& mesh) {
+double bump_correlation(const TriangleMesh& mesh, double least) {
     const std::vector<Vector3> normals = point_normals(mesh);
     const std::vector<std::vector<int>> neighbours = neighbours_of(mesh);
     std::vector<double> bump(mesh.points.size(), 0.0), sizes;
@@ -227,6 +227,7 @@ double bump_correlation(const TriangleMesh& mesh) {
     if (sizes.empty()) return 1.0;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
+    if (*middle < least) return 1.0;
     const double largest = 4.0 * *middle;  // what stands out more, as edges do, counts no more than this
     double products = 0.0, squares = 0.0;
     std::size_t pairs = 0, points = 0;

@@ -16,8 +16,10 @@ double roughness(const TriangleMesh& mesh);
 /// the mesh resolves changes little from one point to the next (0.6 to 1 on clean meshes, also coarse ones, 0.4 on a
 /// rough scan from photographs); noise does not hang together (0.1 down to -0.24, the value for independent errors of
 /// points with six neighbours).
+/// @param least  if more than half of the points stand out less than this (units of the mesh), nothing stands out: on
+///   flat faces there is only rounding, and it looks like noise
 /// @return  correlation over all edges, in [-1, 1]; 1 if nothing stands out
-double bump_correlation(const TriangleMesh& mesh);
+double bump_correlation(const TriangleMesh& mesh, double least = 0.0);
 
 /// Moves each point along its normal onto the quadric that fits its neighbourhood. The neighbourhood of each point
 /// grows as long as the quadric fits within the noise, so that flat parts are smoothed far and small features are kept.

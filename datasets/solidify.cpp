@@ -21,6 +21,7 @@ namespace {
 
 constexpr double rough = 3e-4;             // of the diagonal: less noise moves no distance by a measurable amount
 constexpr double most_correlated = 0.25;   // of bumps about half of whose variance is noise
+constexpr double least_bump = 0.1;         // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 
 std::string number(double value, const char* format = "%.3g") {
@@ -66,7 +67,8 @@ void refuse_flat(const std::vector<Vector3>& points, const std::filesystem::path
 void smooth_if_noisy(TriangleMesh& mesh, double size, const SolidifyOptions& options, std::vector<std::string>& notes) {
     if (!options.smooth_noise) return;
     const double noise = roughness(mesh);
-    if (noise < rough * size || bump_correlation(mesh) > most_correlated) return;
+    // Where the points hardly stand out, edges are what the quadrics of roughness do not fit.
+    if (noise < rough * size || bump_correlation(mesh, least_bump * noise) > most_correlated) return;
     smooth_noise(mesh, noise);
     notes.push_back("The surface is rough (noise of " + number(100.0 * noise / size, "%.2f") +
                     " % of the object's size) and was smoothed.");

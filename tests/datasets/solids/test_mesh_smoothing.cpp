@@ -68,6 +68,25 @@ TEST(MeshSmoothing, OnlyNoiseIsSmoothedAndOnlyIfWanted) {
                 testing::Not(testing::Contains(testing::HasSubstr("smoothed"))));
 }
 
+/// More than half of the points lie on flat faces: their bumps are the rounding of the coordinates, of any size.
+TEST(MeshSmoothing, FlatFacesAreNotNoisyHoweverTheyAreRounded) {
+    const Vector3 high{10, 20, 30};
+    RandomSource random(5);
+    for (const int divisions : {6, 8}) {
+        for (const double rounding : {0.0, 1e-15, 1e-7, 1e-4}) {
+            TriangleMesh box = divided_box_mesh({0, 0, 0}, high, divisions);
+            clean(box);
+            EXPECT_GT(roughness(box), 0.003 * norm(high));  // its edges
+            for (auto& p : box.points) {
+                for (double& x : p) x += rounding * norm(high) * random.uniform(-1, 1);
+            }
+            const Solid solid = solid_from_triangles(box, "box");
+            EXPECT_THAT(solid.notes, testing::IsEmpty()) << divisions << " " << rounding;
+            EXPECT_NEAR(solid.volume, 6000.0, 1e-3 * 6000.0);
+        }
+    }
+}
+
 TEST(MeshSmoothing, NoiseGoesAndTheBallStays) {
     TriangleMesh ball = noisy_ball();
     smooth_noise(ball, roughness(ball));
