@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 #include "datasets/distance_transform.h"
@@ -72,6 +73,17 @@ void smooth_if_noisy(TriangleMesh& mesh, double size, const SolidifyOptions& opt
     smooth_noise(mesh, noise);
     notes.push_back("The surface is rough (noise of " + number(100.0 * noise / size, "%.2f") +
                     " % of the object's size) and was smoothed.");
+}
+
+/// Distance from the surface, positive where the winding number is. Walls of one part within another are no surface: a
+/// node on one lies inside, not on the border.
+std::vector<float> united_values(const TriangleMesh& mesh, const Lattice& lattice,
+                                 const std::vector<std::int8_t>& winding) {
+    std::vector<float> values = distance_to_triangles(mesh, lattice, 3.0);
+    const auto least = static_cast<float>(1e-3 * lattice.spacing);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = winding[i] > 0 ? std::max(values[i], least) : -values[i];
+    return values;
 }
 
 /// How much of a rebuilt surface was not in the file, and how far from it that lies.
@@ -178,8 +190,8 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
         const auto c = mesh.corners(t);
         volume[part.of_triangle[t]] += dot(c[0] - o, cross(c[1] - o, c[2] - o)) / 6.0;
     }
-    double total = 0.0, largest = 0.0;
-    for (const double v : volume) total += v, largest = std::max(largest, v);
+    double total = 0.0, largest = 0.0, filled = 0.0;  // filled: as if there were no cavities
+    for (const double v : volume) total += v, largest = std::max(largest, v), filled += std::max(v, 0.0);
     if (!(total > 0.0)) refuse();
     std::size_t specks = 0, pinholes = 0, solids = 0, cavities = 0;
     std::vector<char> kept(part.count);
@@ -200,7 +212,7 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     }
     if (solids > 1) {
         notes.push_back("The object has " + count(solids, "separate part") + "; the largest holds " +
-                        percent(largest / total) + " of the volume.");
+                        percent(largest / filled) + " of the volume.");
     }
     if (cavities > 0)
         notes.push_back("The object is hollow: " + std::to_string(cavities) + " inner cavities were kept.");
@@ -250,17 +262,16 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         if (*low < 0 || *high > 1) {
             TriangleMesh upright = mesh;
             const TriangleTree surface(mesh);
-            const bool changed = turn_patches_outward(upright, patch, surface).turned > 0;
+            // Without a negative winding number what is turned inward is the wall of a cavity.
+            const bool changed = *low < 0 && turn_patches_outward(upright, patch, surface).turned > 0;
             if (topology(upright).closed()) {
                 if (changed) {
                     mesh = std::move(upright);
                     winding = winding_numbers(mesh, lattice);
                     notes.push_back("Parts that were inside out were turned.");
                 }
-                std::vector<float> values = distance_to_triangles(mesh, lattice, 3.0);
-                for (std::size_t i = 0; i < values.size(); ++i) values[i] = winding[i] > 0 ? values[i] : -values[i];
                 notes.push_back("The surface passes through itself; its overlapping parts were united.");
-                TriangleMesh united = isosurface(lattice, values);
+                TriangleMesh united = isosurface(lattice, united_values(mesh, lattice, winding));
                 pull_to_surface(united, surface, h);
                 return finished_solid(std::move(united), file, options, std::move(notes));
             }

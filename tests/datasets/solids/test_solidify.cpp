@@ -16,6 +16,7 @@ namespace {
 using namespace tests;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double pi = std::numbers::pi;
 constexpr double radius = 0.3;
@@ -159,6 +160,49 @@ TEST(Solidify, HollowObjectsStayHollow) {
     const LevelSet<3> u = signed_distance(solid.mesh, DyadicGrid<3>(4));
     EXPECT_LT(u.values[u.grid.index({8, 8, 8})], -0.15);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
+}
+
+TEST(Solidify, UnitingKeepsCavities) {
+    TriangleMesh inner = ball_mesh(middle, 0.2, 4);
+    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh hollow = joined(ball_mesh(middle, radius, 5), inner);
+    const TriangleMesh knob = ball_mesh({0.82, 0.5, 0.5}, 0.1, 4);  // reaches into the wall, not through it
+    const Solid solid = solid_from_triangles(joined(hollow, knob), "hollow", coarse());
+    const Solid full = solid_from_triangles(joined(ball_mesh(middle, radius, 5), knob), "full", coarse());
+    EXPECT_NEAR(full.volume - solid.volume, 4.0 / 3.0 * pi * 0.008, 0.01 * ball_volume);
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
+    EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("inside out"))));
+    // A part that is inside out is turned all the same.
+    TriangleMesh turned = knob;
+    for (auto& t : turned.triangles) std::swap(t[0], t[1]);
+    const Solid put_right = solid_from_triangles(joined(ball_mesh(middle, radius, 5), turned), "turned", coarse());
+    EXPECT_NEAR(put_right.volume, full.volume, 1e-6 * full.volume);
+    EXPECT_THAT(put_right.notes, Contains(HasSubstr("inside out")));
+}
+
+/// Nodes of the lattice lie exactly on the walls within.
+TEST(Solidify, BoxesThatOverlapBecomeOneWithoutCracks) {
+    TriangleMesh chain;
+    for (int i = 0; i < 4; ++i) {
+        const double x = 8.0 * i;
+        chain = joined(chain, box_mesh({x, 0, 0}, {x + 12.0, 12, 12}));
+    }
+    const Solid bar = solid_from_triangles(chain, "chain");
+    EXPECT_EQ(patches(bar.mesh, true).count, 1);
+    EXPECT_NEAR(bar.volume, 36.0 * 12 * 12, 0.005 * 36 * 12 * 12);
+    EXPECT_THAT(bar.notes, testing::ElementsAre(HasSubstr("united")));
+    const TriangleMesh nested = joined(box_mesh({0, 0, 0}, {36, 36, 36}), box_mesh({12, 12, 12}, {24, 24, 24}));
+    const Solid cube = solid_from_triangles(nested, "nested");
+    EXPECT_EQ(patches(cube.mesh, true).count, 1);
+    EXPECT_NEAR(cube.volume, 36.0 * 36 * 36, 0.005 * 36 * 36 * 36);
+}
+
+TEST(Solidify, SharesOfThePartsDoNotExceedTheWhole) {
+    TriangleMesh inner = ball_mesh(middle, 0.25, 4);
+    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh nest = joined(joined(ball_mesh(middle, radius, 5), inner), ball_mesh(middle, 0.15, 4));
+    const Solid solid = solid_from_triangles(nest, "nest", coarse());
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("2 separate parts; the largest holds 88.")));  // 27 / (27 + 3.375)
 }
 
 TEST(Solidify, NonManifoldMeshes) {
