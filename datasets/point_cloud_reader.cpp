@@ -1,7 +1,10 @@
 #include "datasets/point_cloud_reader.h"
 
+#include <lzf.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "datasets/mesh_check.h"
@@ -33,7 +36,25 @@ struct Field {
     char type = 'F';
 };
 
-std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, std::vector<std::string>& notes) {
+/// What the data of a compressed PCD unpack to: two lengths, then the packed bytes.
+std::string unpacked_pcd(const fs::path& file, std::string_view data) {
+    constexpr std::size_t best_compression = 100;  // LZF makes at most 264 bytes of three
+    std::uint32_t packed = 0, length = 0;
+    if (data.size() >= 8) {
+        std::memcpy(&packed, data.data(), 4);  // little endian, as this machine
+        std::memcpy(&length, data.data() + 4, 4);
+    }
+    if (data.size() < 8 || packed == 0 || packed > data.size() - 8 || length / best_compression > packed) {
+        refuse(file, "its packed points break off, or their lengths are wrong");
+    }
+    std::string result(length, '\0');
+    if (lzf_decompress(data.data() + 8, packed, result.data(), length) != length) {
+        refuse(file, "its packed points cannot be unpacked");
+    }
+    return result;
+}
+
+std::vector<Vector3> read_pcd(const fs::path& file, std::string_view content, std::vector<std::string>& notes) {
     std::vector<Field> fields;
     std::size_t count = 0, width = 0, height = 1, data_begin = 0;
     bool has_points = false;
@@ -70,13 +91,16 @@ std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, 
             data_begin = std::min(content.find('\n', data_begin), content.size() - 1) + 1;
         }
     }
-    if (data == "binary_compressed") {
-        throw ReadError(file, "its points are compressed, which is not read",
-                        "save it as ascii or binary PCD or as PLY");
-    }
-    if (data != "ascii" && data != "binary")
+    const bool is_packed = data == "binary_compressed", is_binary = data == "binary" || is_packed;
+    if (data != "ascii" && !is_binary)
         refuse(file, "its header does not lead to data (line \"DATA ascii\" or \"DATA binary\")");
-    if (!has_points) count = height > 0 && width > content.size() / height ? content.size() + 1 : width * height;
+    if (!has_points) {
+        if (height > 0 && width > SIZE_MAX / height) {
+            refuse(file, "its header promises " + std::to_string(width) + " x " + std::to_string(height) +
+                             " points, more than the file has room for");
+        }
+        count = width * height;
+    }
     std::size_t bytes = 0, columns = 0;
     const Field* axis[3] = {nullptr, nullptr, nullptr};
     for (Field& f : fields) {
@@ -86,11 +110,13 @@ std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, 
     }
     for (const Field* a : axis) {
         if (a == nullptr || a->count == 0) refuse(file, "its points have no x, y and z");
-        if (data == "binary" && (a->type != 'F' || (a->size != 4 && a->size != 8)))
+        if (is_binary && (a->type != 'F' || (a->size != 4 && a->size != 8)))
             refuse(file, "its coordinates are not floating point numbers");
     }
     const std::size_t left = content.size() - std::min(data_begin, content.size());
-    const std::size_t room = data == "binary" ? left / bytes : left / 2 + 1;
+    std::string unpacked;
+    if (is_packed) unpacked = unpacked_pcd(file, content.substr(content.size() - left));
+    const std::size_t room = is_packed ? unpacked.size() / bytes : is_binary ? left / bytes : left / 2 + 1;
     if (count > room) {
         refuse(file, "its header promises " + std::to_string(count) + " points, more than the file has room for");
     }
@@ -98,12 +124,15 @@ std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, 
     std::size_t unseen = 0;
     for (std::size_t i = 0; i < count; ++i) {
         Vector3 p{};
-        if (data == "binary") {
+        if (is_binary) {
             for (int a = 0; a < 3; ++a) {
-                const char* from = content.data() + data_begin + i * bytes + axis[a]->offset;
+                const Field& f = *axis[a];
+                // Packed are all values of the first field, then all of the second.
+                const char* from = is_packed ? unpacked.data() + f.offset * count + i * f.size * f.count
+                                             : content.data() + data_begin + i * bytes + f.offset;
                 float single = 0.0F;
-                if (axis[a]->size == 8) std::memcpy(&p[a], from, 8);
-                if (axis[a]->size == 4) std::memcpy(&single, from, 4), p[a] = single;
+                if (f.size == 8) std::memcpy(&p[a], from, 8);
+                if (f.size == 4) std::memcpy(&single, from, 4), p[a] = single;
             }
         } else {
             if (scan.done())
@@ -130,15 +159,38 @@ std::vector<Vector3> read_pcd(const fs::path& file, const std::string& content, 
     return points;
 }
 
-std::vector<Vector3> read_xyz(const fs::path& file, const std::string& content) {
+/// The first three numbers of a line, cut apart at blanks, tabs and semicolons. A comma between digits of the words
+/// they leave is a decimal sign; in a line that they do not cut in three it parts numbers.
+struct Line {
+    explicit Line(std::string_view line) : text(line) {
+        std::replace(text.begin(), text.end(), ';', ' ');
+        std::string_view rest = text;
+        for (int i = 0; i < 3; ++i) {
+            const std::string_view word = TextScan::word(rest);
+            const std::size_t comma = word.find(',');
+            const bool is_between = comma != std::string_view::npos && comma > 0 && comma + 1 < word.size() &&
+                                    word.find_first_not_of("0123456789", comma + 1) == std::string_view::npos &&
+                                    word[comma - 1] >= '0' && word[comma - 1] <= '9';
+            if (word.empty() || (comma != std::string_view::npos && !is_between)) {
+                has_decimal_commas = false;
+                break;
+            }
+            has_decimal_commas |= is_between;
+        }
+        std::replace(text.begin(), text.end(), ',', has_decimal_commas ? '.' : ' ');
+    }
+    std::string text;
+    bool has_decimal_commas = false;
+};
+
+std::vector<Vector3> read_xyz(const fs::path& file, std::string_view content, std::vector<std::string>& notes) {
     std::vector<Vector3> points;
-    std::string plain = content;
-    std::replace(plain.begin(), plain.end(), ',', ' ');
-    std::replace(plain.begin(), plain.end(), ';', ' ');
-    TextScan scan(plain);
+    bool has_decimal_commas = false;
+    TextScan scan(content);
     while (!scan.done()) {
-        std::string_view line = scan.line();
-        line = line.substr(0, line.find('#'));
+        const std::string_view whole = scan.line();
+        const Line plain(whole.substr(0, whole.find('#')));
+        std::string_view line = plain.text;
         const std::string_view first = TextScan::word(line);
         if (first.empty()) continue;
         Vector3 p{};
@@ -148,8 +200,10 @@ std::vector<Vector3> read_xyz(const fs::path& file, const std::string& content) 
             refuse(file, "line " + std::to_string(scan.line_number()) + " does not begin with three numbers");
         }
         if (!is_usable(p)) refuse(file, "line " + std::to_string(scan.line_number()) + ": a coordinate is not finite");
+        has_decimal_commas |= plain.has_decimal_commas;
         points.push_back(p);
     }
+    if (has_decimal_commas) notes.emplace_back("Commas between digits were read as decimal signs.");
     return points;
 }
 
@@ -160,8 +214,10 @@ bool is_point_cloud(const fs::path& file) {
 }
 
 std::vector<Vector3> read_point_cloud(const fs::path& file, double max_megabytes, std::vector<std::string>& notes) {
-    const std::string content = file_content(file, max_megabytes);
-    std::vector<Vector3> points = ending_of(file) == ".pcd" ? read_pcd(file, content, notes) : read_xyz(file, content);
+    const std::string bytes = file_content(file, max_megabytes);
+    const std::string_view content = TextScan::without_mark(bytes);
+    std::vector<Vector3> points =
+        ending_of(file) == ".pcd" ? read_pcd(file, content, notes) : read_xyz(file, content, notes);
     if (points.empty()) refuse(file, "there are no points in it");
     return points;
 }

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lzf.h>
 
 #include "datasets/import.h"
 #include "datasets/point_cloud_reader.h"
@@ -74,6 +75,72 @@ TEST(VdbFiles, LevelSetSurvivesTheRoundTrip) {
     write_ply(folder.path() / "ball.ply", u, {{"dissipation", &height}});
     const Shape<3> mesh = import_shape<3>(single_source(folder.path() / "ball.ply"), {}, none);
     EXPECT_NEAR(mesh.volume, 4.0 / 3.0 * 3.14159265 * 0.027, 0.002);
+}
+
+TEST(PointCloudReader, DecimalCommasAreToldFromSeparators) {
+    const FileFolder folder;
+    const auto read = [&](const std::string& text, bool has_commas) {
+        std::vector<std::string> notes;
+        const auto points = read_point_cloud(folder.write("a.xyz", text), 10, notes);
+        EXPECT_EQ(notes.size(), has_commas ? 1U : 0U) << text;
+        return points;
+    };
+    EXPECT_EQ(read("0,5;1,0;1,5\n-2;0,25;8\n3;4;5\n", true), three);
+    EXPECT_EQ(read("0,5\t1,0\t1,5\r\n-2,0\t0,25\t8,0\r\n3\t4\t5\r\n", true), three);
+    EXPECT_EQ(read("0,5 1,0 1,5 255\n-2,0 0,25 8,0 0\n3 4 5 0\n", true), three);
+    EXPECT_EQ(read("0.5,1,1.5\n-2,0.25,8,7,7\n3,4,5\n", false), three);
+    EXPECT_EQ(read("0.5, 1, 1.5\n-2 ,0.25 ,8\n3, 4 5\n", false), three);
+    EXPECT_EQ(read("0.5,1,1.5;7\n-2;0.25;8\n3,4,5\t9\t9\n", false), three);
+    EXPECT_EQ(read("\xEF\xBB\xBF"
+                   "0.5 1 1.5\n-2 0.25 8\n3 4 5\n",
+                   false),
+              three);
+}
+
+/// As the Point Cloud Library packs: the fields one after the other.
+std::string packed_pcd() {
+    std::string text = pcd("binary_compressed"), fields;
+    text.resize(text.find("binary_compressed\n") + 18);
+    for (std::size_t i = 0; i < three.size(); ++i) put(fields, std::uint32_t{255});
+    for (int a = 0; a < 3; ++a) {
+        for (const auto& p : three) put(fields, static_cast<float>(p[a]));
+    }
+    std::string out(2 * fields.size(), '\0');
+    out.resize(lzf_compress(fields.data(), static_cast<unsigned>(fields.size()), out.data(),
+                            static_cast<unsigned>(out.size())));
+    put(text, static_cast<std::uint32_t>(out.size()));
+    put(text, static_cast<std::uint32_t>(fields.size()));
+    return text + out;
+}
+
+TEST(PointCloudReader, PackedPcd) {
+    const FileFolder folder;
+    std::vector<std::string> notes;
+    const std::string content = packed_pcd();
+    EXPECT_EQ(read_point_cloud(folder.write("a.pcd", content), 10, notes), three);
+    for (std::size_t size = 0; size < content.size(); ++size) {
+        EXPECT_THROW(read_point_cloud(folder.write("cut.pcd", content.substr(0, size)), 10, notes), ReadError) << size;
+    }
+    const std::size_t lengths = content.find("compressed\n") + 11;
+    for (std::size_t i = 0; i < 8; ++i) {
+        std::string lie = content;
+        lie[lengths + i] = '\x7f';
+        EXPECT_THROW(read_point_cloud(folder.write("lie.pcd", lie), 10, notes), ReadError) << i;
+    }
+}
+
+TEST(PointCloudReader, PromisesOfTheHeaderAreQuotedAsTheyAre) {
+    const FileFolder folder;
+    std::string lie = pcd("ascii");
+    lie.replace(lie.find("WIDTH 3\nHEIGHT 1"), 16, "WIDTH 4294967296\nHEIGHT 4294967296");
+    lie.erase(lie.find("POINTS"), 9);
+    std::vector<std::string> notes;
+    try {
+        read_point_cloud(folder.write("lie.pcd", lie), 10, notes);
+        ADD_FAILURE();
+    } catch (const ReadError& error) {
+        EXPECT_THAT(error.problem(), HasSubstr("promises 4294967296 x 4294967296 points"));
+    }
 }
 
 /// A ball and a second grid, as the program itself writes them.
