@@ -93,13 +93,13 @@ Header checked(const fs::path& file, const std::string& bytes, bool swapped, std
 }
 
 Header checked_header(const fs::path& file) {
-    const std::string size_field = bytes_from(file, 0, sizeof(std::int32_t));
+    const std::string size_field = bytes_from(file, 0, sizeof(std::int32_t), true);
     const auto size = field<std::int32_t>(size_field, 0, false), other = field<std::int32_t>(size_field, 0, true);
     constexpr int size_1 = sizeof(nifti_1_header), size_2 = sizeof(nifti_2_header);
     const bool swapped = other == size_1 || other == size_2;
     const int version = size == size_1 || other == size_1 ? 1 : size == size_2 || other == size_2 ? 2 : 0;
     if (version == 0) throw ReadError(file, "it does not begin like a NIfTI file", again);
-    const std::string bytes = bytes_from(file, 0, version == 1 ? size_1 : size_2);
+    const std::string bytes = bytes_from(file, 0, version == 1 ? size_1 : size_2, true);
     const std::string magic =
         bytes.substr(version == 1 ? offsetof(nifti_1_header, magic) : offsetof(nifti_2_header, magic), 3);
     if (magic != (version == 1 ? "n+1" : "n+2")) {

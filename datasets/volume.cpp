@@ -64,7 +64,8 @@ float chosen_isovalue(const fs::path& file, const Volume& volume, const std::str
     const bool is_mask = std::all_of(volume.values.begin(), volume.values.end(),
                                      [&](float v) { return v == low || v == high || std::isnan(v); });
     if (is_mask) return 0.5F * (low + high);
-    if (low >= 0.0F && high <= 1.0F) return 0.5F;
+    constexpr float rounding = 1e-5F;  // of values that were scaled when they were stored
+    if (low >= -rounding && high <= 1.0F + rounding && high > 0.5F) return 0.5F;
     std::snprintf(text, sizeof text, "its values run from %g to %g and nothing says which of them is the surface", low,
                   high);
     throw ReadError(file, text, "name it with --isovalue (inside is above it)");
@@ -151,10 +152,11 @@ void decode(const std::string& bytes, const VoxelLayout& layout, Volume& volume)
     }
 }
 
-std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t count) {
+std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t count, bool is_header) {
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw ReadError(file, "it cannot be read", "check the path and its permissions");
     const auto refuse = [&](std::size_t held) {
+        if (is_header) throw ReadError(file, "it breaks off within its header", again);
         throw ReadError(file,
                         "its header promises " + std::to_string(count) + " bytes of numbers, but there are only " +
                             std::to_string(held),
@@ -163,6 +165,7 @@ std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t cou
     // Before memory is asked for: what the file can hold at best.
     std::error_code error;
     const std::size_t size = fs::file_size(file, error);
+    if (!error && size == 0) throw ReadError(file, "the file is empty", again);
     const std::size_t at_most = gzdirect(in.get()) != 0 ? size : best_compression * size;
     if (at_most < offset + count) refuse(at_most > offset ? at_most - offset : 0);
     std::string result(count, '\0');

@@ -42,8 +42,10 @@ void check_geometry(const std::filesystem::path& file, const Volume& volume);
 void decode(const std::string& bytes, const VoxelLayout& layout, Volume& volume);
 
 /// Exactly so many bytes of a file from an offset on; if it is compressed by gzip, of its content.
+/// @param is_header  for the message
 /// @throws ReadError if it holds fewer
-std::string bytes_from(const std::filesystem::path& file, std::size_t offset, std::size_t count);
+std::string bytes_from(const std::filesystem::path& file, std::size_t offset, std::size_t count,
+                       bool is_header = false);
 
 /// Exactly so many bytes out of a zlib or gzip stream.
 /// @throws ReadError if the stream is damaged or holds fewer

@@ -195,6 +195,27 @@ TEST(Volume, WhatReachesTheBorderIsCutOffAndNanIsOutside) {
                 HasSubstr("none of its values"));
 }
 
+/// Stored as integers with a slope and a shift, 0 and 1 come back with the rounding of single precision.
+TEST(Volume, SharesMayBeRounded) {
+    const FileFolder folder;
+    const auto shares = [&](double low, double high) {
+        std::string bytes;
+        for (int k = 0; k < nodes[2]; ++k) {
+            for (int j = 0; j < nodes[1]; ++j) {
+                for (int i = 0; i < nodes[0]; ++i) {
+                    const Vector3 x = origin + Vector3{i * spacing[0], j * spacing[1], k * spacing[2]};
+                    put(bytes, static_cast<float>(std::clamp(0.5 + 0.5 * (radius - norm(x - centre)), low, high)));
+                }
+            }
+        }
+        return folder.write("shares.nii", nifti(bytes, 16, 32));
+    };
+    expect_ball(read_shape<3>(single_source(shares(0.0, 1.0))), centre, flat);
+    expect_ball(read_shape<3>(single_source(shares(-2.37e-8, 1.0000001))), centre, flat);
+    EXPECT_THAT(refusal(shares(-0.1, 1.0), {}), HasSubstr("nothing says which"));
+    EXPECT_THAT(refusal(shares(0.0, 0.4), {}), HasSubstr("nothing says which"));
+}
+
 TEST(Volume, LiesAreNamed) {
     const FileFolder folder;
     const std::string shorts = ball_values<std::int16_t>(), good = nifti(shorts, 4, 16);
@@ -210,6 +231,10 @@ TEST(Volume, LiesAreNamed) {
     EXPECT_THAT(refusal(nifti_with(72, 32)), HasSubstr("contradicts itself"));
     EXPECT_THAT(refusal(folder.write("short.nii", good.substr(0, 5000))), HasSubstr("but there are only"));
     EXPECT_THAT(refusal(folder.write("noise.nii", "hello, this is no volume")), HasSubstr("does not begin"));
+    for (const std::size_t size : {1, 3, 4, 100, 347}) {
+        EXPECT_THAT(refusal(folder.write("cut.nii", good.substr(0, size))), HasSubstr("breaks off within its header"));
+    }
+    EXPECT_THAT(refusal(folder.write("empty.nii.gz", "")), HasSubstr("the file is empty"));
     std::string huge = good;
     for (std::size_t a = 0; a < 3; ++a) huge[43 + 2 * a] = 0x7f;
     EXPECT_THAT(refusal(folder.write("huge.nii", huge)), HasSubstr("512 x 512 x 512"));
