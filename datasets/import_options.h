@@ -41,4 +41,8 @@ struct ImportOptions {
     friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
 };
 
+/// Part of what says whether a stored solid is that of its file. To be raised when a change of the readers or of the
+/// repair changes solids, so that a study reads its files again and does not mix both.
+inline constexpr int solid_reader_revision = 2;
+
 }  // namespace morphodesic::datasets

@@ -36,6 +36,7 @@ double exact_from(const std::string& text) {
 std::string reading_digest(const datasets::ShapeSource& source, const std::string& file_digest,
                            const datasets::ImportOptions& options) {
     std::string text = file_digest + "\n" + canonical_text(options);
+    if (source.dimension == 3) text += "solid reader " + std::to_string(datasets::solid_reader_revision);
     if (!source.mask_path.empty()) text += "mask " + datasets::file_digest(source.mask_path);
     return digest(text);
 }
