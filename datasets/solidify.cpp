@@ -80,7 +80,7 @@ void smooth_if_noisy(TriangleMesh& mesh, double size, const SolidifyOptions& opt
 std::vector<float> united_values(const TriangleMesh& mesh, const Lattice& lattice,
                                  const std::vector<std::int8_t>& winding) {
     std::vector<float> values = distance_to_triangles(mesh, lattice, 3.0);
-    const auto least = static_cast<float>(1e-3 * lattice.spacing);
+    const auto least = static_cast<float>(1e-5 * lattice.spacing);  // isosurface takes no smaller steps than 1e-4
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = winding[i] > 0 ? std::max(values[i], least) : -values[i];
     return values;
