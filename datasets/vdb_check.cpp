@@ -1,5 +1,8 @@
 #include "datasets/vdb_check.h"
 
+#include <openvdb/version.h>
+
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -94,6 +97,14 @@ bool is_regular(std::string_view map) {
 
 }  // namespace
 
+std::string shortened(const std::string& text) {
+    constexpr std::size_t longest = 100;
+    std::string result = text.substr(0, longest);
+    std::replace_if(
+        result.begin(), result.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+    return text.size() > longest ? result + "..." : result;
+}
+
 CheckedVdb check_vdb(const fs::path& file, double max_megabytes, std::size_t most_voxels) {
     const std::string content = file_content(file, max_megabytes);
     Bytes bytes(file, content);
@@ -101,6 +112,11 @@ CheckedVdb check_vdb(const fs::path& file, double max_megabytes, std::size_t mos
         throw ReadError(file, "it does not begin like a VDB file", "export or download the file again");
     }
     const auto version = bytes.value<std::uint32_t>();
+    if (version > openvdb::OPENVDB_FILE_VERSION) {
+        throw ReadError(file,
+                        "it has version " + std::to_string(version) + " of the VDB format, newer than is read here",
+                        "save it for an older version");
+    }
     bytes.take(2 * sizeof(std::uint32_t));  // of the library
     const bool has_offsets = bytes.value<char>() != 0;
     if (version < oldest_version || !has_offsets) {

@@ -20,4 +20,7 @@ struct CheckedVdb {
 /// @throws ReadError if the file breaks off, promises more than it holds, or is too large
 CheckedVdb check_vdb(const std::filesystem::path& file, double max_megabytes, std::size_t most_voxels);
 
+/// A text from a file or the library, fit for a message: damaged files put thousands of odd bytes into it.
+std::string shortened(const std::string& text);
+
 }  // namespace morphodesic::datasets

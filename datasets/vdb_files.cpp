@@ -1,6 +1,5 @@
 #include "datasets/vdb_files.h"
 
-#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/VolumeToMesh.h>
@@ -9,13 +8,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <sstream>
 
 #include "datasets/collection_folder.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
 #include "datasets/text_scan.h"
 #include "datasets/vdb_check.h"
+#include "datasets/vdb_values.h"
 #include "datasets/voxelize.h"
 
 namespace morphodesic::datasets {
@@ -24,20 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t largest_voxel_count = 512ULL * 512 * 512;
-
-openvdb::FloatGrid::Ptr float_grid(const openvdb::GridBase::Ptr& base) {
-    if (auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base)) return grid;
-    if (auto other = openvdb::gridPtrCast<openvdb::DoubleGrid>(base)) {
-        auto grid = openvdb::FloatGrid::create(static_cast<float>(other->background()));
-        grid->setTransform(other->transformPtr()->copy());
-        grid->setGridClass(other->getGridClass());
-        for (auto it = other->cbeginValueOn(); it; ++it) {
-            grid->tree().addTile(it.getLevel(), it.getCoord(), static_cast<float>(it.getValue()), true);
-        }
-        return grid;
-    }
-    return nullptr;
-}
 
 TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
     std::vector<openvdb::Vec3s> points;
@@ -52,15 +37,6 @@ TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
     for (const auto& t : triangles) add(t[0], t[1], t[2]);
     for (const auto& q : quads) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
     return mesh;
-}
-
-/// A text from a file or the library, fit for a message: damaged files put thousands of odd bytes into it.
-std::string shortened(const std::string& text) {
-    constexpr std::size_t longest = 100;
-    std::string result = text.substr(0, longest);
-    std::replace_if(
-        result.begin(), result.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
-    return text.size() > longest ? result + "..." : result;
 }
 
 template <class T>
@@ -100,22 +76,7 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
     CheckedVdb checked = check_vdb(file, max_megabytes, largest_voxel_count);
     openvdb::FloatGrid::Ptr grid;
     if (!checked.content.empty()) {
-        openvdb::initialize();
-        try {
-            std::istringstream in(std::move(checked.content));
-            // At the end of damaged values, too, the library would read on.
-            in.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
-            openvdb::io::Stream stream(in, false);
-            const auto grids = stream.getGrids();
-            if (grids && !grids->empty()) grid = float_grid(grids->front());
-        } catch (const std::ios_base::failure&) {
-            throw ReadError(file, "its values break off", "export or download the file again");
-        } catch (const std::bad_alloc&) {
-            throw ReadError(file, "it promises more than memory can hold", "export or download the file again");
-        } catch (const std::exception& e) {
-            throw ReadError(file, "it cannot be read (" + shortened(e.what()) + ")",
-                            "export or download the file again");
-        }
+        grid = read_vdb_values(std::move(checked.content), file);
         if (checked.grid_count > 1) {
             notes.push_back("Of " + std::to_string(checked.grid_count) + " grids, \"" + shortened(checked.grid_name) +
                             "\" was used.");

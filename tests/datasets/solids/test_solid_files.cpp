@@ -190,6 +190,25 @@ TEST(VdbFiles, DamagedDescriptionsGiveShortMessages) {
     }
 }
 
+/// The library copies blocks of the lengths that the file says over its own memory: that must not end the program.
+TEST(VdbFiles, DamagedValuesEndNothingButTheirReading) {
+    const FileFolder folder;
+    const std::string content = vdb_content(folder);
+    std::uint32_t random = 99;
+    int refused = 0;
+    for (int round = 0; round < 100; ++round) {
+        std::string damaged = content;
+        for (int i = 0; i < 3; ++i) {
+            random = random * 1664525U + 1013904223U;
+            damaged[(random >> 8) % content.size()] = static_cast<char>(random >> 24);
+        }
+        const std::string refusal = vdb_refusal(folder.write("damaged.vdb", damaged));
+        EXPECT_LT(refusal.size(), 200U);
+        if (!refusal.empty()) ++refused;
+    }
+    EXPECT_GT(refused, 10);
+}
+
 TEST(VdbFiles, NamesMayBeWrittenInAnyLetters) {
     EXPECT_TRUE(is_vdb("a.vdb") && is_vdb("a.VDB") && is_vdb("a.Vdb"));
     EXPECT_FALSE(is_vdb("vdb"));
