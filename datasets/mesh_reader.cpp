@@ -31,12 +31,16 @@ void put(std::string& to, T value) {
     to.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// What was checked as a file that the parser can be let loose on: binary PLY, nothing in it but points and faces.
+/// What was checked as a file that the parser can be let loose on: binary PLY, nothing in it but points and faces. In
+/// front of the points stands one more: the parser skips blanks and line ends behind the header, and a coordinate may
+/// begin with such a byte.
 std::string plain_file(const CheckedMesh& mesh, const Vector3& origin) {
-    std::string file = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
+    std::string file = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                       std::to_string(mesh.points.size() + 1) +
                        "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
                        std::to_string(mesh.face_sizes.size()) + "\nproperty list int int vertex_indices\nend_header\n";
     file.reserve(file.size() + 12 * mesh.points.size() + 4 * (mesh.face_sizes.size() + mesh.corners.size()));
+    for (int a = 0; a < 3; ++a) put(file, 1.0F);
     for (const Vector3& p : mesh.points) {
         for (int a = 0; a < 3; ++a) put(file, static_cast<float>(p[a] - origin[a]));
     }
@@ -44,7 +48,7 @@ std::string plain_file(const CheckedMesh& mesh, const Vector3& origin) {
     for (const int size : mesh.face_sizes) {
         put(file, static_cast<std::int32_t>(size));
         for (const int corner : rest.first(static_cast<std::size_t>(size)))
-            put(file, static_cast<std::int32_t>(corner));
+            put(file, static_cast<std::int32_t>(corner + 1));
         rest = rest.subspan(static_cast<std::size_t>(size));
     }
     return file;
@@ -76,13 +80,13 @@ MeshFile read_mesh(const std::filesystem::path& file, double max_megabytes) {
     std::size_t faces = 0;
     std::vector<int> corners;
     for (const aiMesh* part : std::span(scene->mMeshes, scene->mNumMeshes)) {
+        const auto points = std::span(part->mVertices, part->mNumVertices);
         const auto first = static_cast<int>(result.mesh.points.size());
-        for (const aiVector3D& p : std::span(part->mVertices, part->mNumVertices)) {
-            result.mesh.points.push_back(Vector3{p.x, p.y, p.z} + origin);
-        }
+        if (points.empty()) continue;
+        for (const aiVector3D& p : points.subspan(1)) result.mesh.points.push_back(Vector3{p.x, p.y, p.z} + origin);
         for (const aiFace& face : std::span(part->mFaces, part->mNumFaces)) {
             corners.assign(face.mIndices, face.mIndices + face.mNumIndices);
-            for (int& corner : corners) corner += first;
+            for (int& corner : corners) corner += first - 1;
             cut_polygon(result.mesh.points, corners, result.mesh.triangles);
             ++faces;
         }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstdint>
 #include <numbers>
 
 #include "datasets/mesh_reader.h"
@@ -74,6 +76,20 @@ TEST(MeshReader, EveryFormatGivesTheSameBox) {
         EXPECT_EQ(file.mesh.triangles.size(), 12U) << name;
         EXPECT_TRUE(topology(file.mesh).closed()) << name;
         EXPECT_NEAR(signed_volume(file.mesh), 0.5 * 0.25 * 0.75, 1e-7) << name;
+    }
+}
+
+/// Coordinates whose first byte a parser of text takes for a blank, a line end or a comment.
+TEST(MeshReader, EveryByteMayBeginAFile) {
+    const FileFolder folder;
+    for (std::uint32_t byte = 0; byte < 256; ++byte) {
+        TriangleMesh mesh = box;
+        for (auto& p : mesh.points) p[0] = std::bit_cast<float>(0x3f000000U + byte) + p[0];
+        for (const auto& name : {"binary.stl", "little.ply", "a.obj"}) {
+            const MeshFile file = read_mesh(folder.write(name, all_formats(mesh).at(name)));
+            EXPECT_EQ(file.mesh.triangles.size(), 12U) << name << ' ' << byte;
+            EXPECT_NEAR(signed_volume(file.mesh), 0.5 * 0.25 * 0.75, 1e-6) << name << ' ' << byte;
+        }
     }
 }
 
