@@ -258,6 +258,13 @@ TEST(Soak, ManyPairsTakeNoMoreMemoryThanFew) {
                   .code,
               0);
     ASSERT_EQ(morphodesic({"ingest", men, "--quiet"}).code, 0);
+    if (sanitized) {  // the address sanitizer keeps what was given back, to catch who uses it late
+        const char* options = std::getenv("ASAN_OPTIONS");
+        ::setenv(
+            "ASAN_OPTIONS",
+            (std::string(options ? options : "") + ":quarantine_size_mb=0:thread_local_quarantine_size_kb=0").c_str(),
+            1);
+    }
     BackgroundRun study(
         {"geodesics", men + ".study", "--level", "4", "--steps", "1", "--starts", "1", "--threads", "2", "--quiet"});
     std::vector<std::pair<long, double>> samples;  // pairs done, megabytes
