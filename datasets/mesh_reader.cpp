@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "datasets/bytes.h"
 #include "datasets/mesh_check.h"
 #include "datasets/polygon.h"
 #include "datasets/read_error.h"
@@ -24,11 +25,6 @@ Vector3 origin_for(const std::vector<Vector3>& points) {
     const Box3 box = bounding_box(points);
     const Vector3 centre = box.low + 0.5 * box.side();
     return norm(centre) > far * box.diagonal() ? centre : Vector3{};
-}
-
-template <class T>
-void put(std::string& to, T value) {
-    to.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 /// What was checked as a file that the parser can be let loose on: binary PLY, nothing in it but points and faces. In

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "datasets/bytes.h"
 #include "datasets/mesh_check.h"
 #include "datasets/read_error.h"
 
@@ -156,10 +157,8 @@ CheckedVdb check_vdb(const fs::path& file, double max_megabytes, std::size_t mos
         found_level_set = description.is_level_set;
         result.grid_name = name.substr(0, name.find('\x1e'));  // a number that tells grids of one name apart follows
         result.content.assign(content, 0, header_size);
-        const std::uint32_t no_metadata = 0, one_grid = 1;
-        for (const std::uint32_t number : {no_metadata, one_grid}) {
-            result.content.append(reinterpret_cast<const char*>(&number), sizeof number);
-        }
+        put(result.content, std::uint32_t{0});  // metadata
+        put(result.content, std::uint32_t{1});  // grids
         result.content.append(descriptor).append(grid);
     }
     return result;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "datasets/bytes.h"
 #include "datasets/collection_folder.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
@@ -39,13 +40,6 @@ TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
     return mesh;
 }
 
-template <class T>
-void put(std::string& to, T value) {
-    char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-    to.append(bytes, sizeof value);
-}
-
 void write_ply_content(const fs::path& file, const TriangleMesh& mesh, const std::vector<NamedField>& fields) {
     std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
                       "\nproperty float x\nproperty float y\nproperty float z\n";
@@ -66,9 +60,7 @@ void write_ply_content(const fs::path& file, const TriangleMesh& mesh, const std
 }  // namespace
 
 bool is_vdb(const fs::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending == ".vdb";
+    return TextScan::is_word(file.extension().string(), ".vdb");
 }
 
 TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue, double max_megabytes,

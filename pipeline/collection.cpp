@@ -178,8 +178,9 @@ double settle_scale(const Collection& collection, ResultStore& store, std::vecto
         frozen = store.fact("common_scale");
     }
     const auto settle = [&](double scale) {
-        store.set_fact("common_scale", exact(scale));
-        store.set_fact(key, exact(scale));
+        for (const std::string& fact : {std::string("common_scale"), key}) {
+            if (store.fact(fact) != exact(scale)) store.set_fact(fact, exact(scale));
+        }
         return scale;
     };
     if (frozen) {

@@ -392,8 +392,9 @@ int merge(const ShardOptions& options) {
     const bool complete = data.pairs_missing == 0 || round_there;
     for (const std::string& damage : damaged) {
         if (complete) {
-            summary.data["remarks"].push_back(damage + "; all pairs are there all the same");
-            summary.lines.push_back(damage + "; all pairs are there all the same");
+            const std::string remark = damage + "; all pairs are there all the same";
+            summary.data["remarks"].push_back(remark);
+            summary.lines.push_back(remark);
         } else {
             problems.push_back({"", "", damage + "; run the shard again, it computes only what is missing"});
         }

@@ -98,18 +98,11 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     return sum;
 }
 
-/// @throws std::invalid_argument if one pair does not fit into the memory that may be used
-MemoryPlan memory_for(const StudyOptions& options, int dimension, std::size_t shapes, int threads) {
-    const GeodesicOptions& geodesic = options.settings.geodesic;
-    return plan_memory(options.memory, dimension, geodesic.level, shape_level(dimension, geodesic), geodesic.time_steps,
-                       shapes, threads);
-}
-
-/// @param memory  null: no pairs are solved
+/// @param memory  empty: no pairs are solved
 PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options,
-                         const MemoryPlan* memory) {
+                         const std::optional<MemoryPlan>& memory) {
     PairGraphOptions graph;
-    const bool solve = memory != nullptr;
+    const bool solve = memory.has_value();
     graph.solve = solve;
     graph.both_directions = options.settings.pairs.both_directions;
     graph.threads = at.threads;
@@ -206,11 +199,16 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
         check_stored_level(collection, *at.store, options);
     }
     std::optional<MemoryPlan> memory;
-    if (solve) memory = memory_for(options, collection.dimension, collection.entries.size(), at.threads);
+    if (solve) {
+        const GeodesicOptions& geodesic = options.settings.geodesic;
+        memory = plan_memory(options.memory, collection.dimension, geodesic.level,
+                             shape_level(collection.dimension, geodesic), geodesic.time_steps,
+                             collection.entries.size(), at.threads);
+    }
     settle_settings(at, options.settings);
     if (from_files) begin_reading(*at.store, collection.entries.size());
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
-    const PairGraphSummary done = compute(at, collection, options, memory ? &*memory : nullptr);
+    const PairGraphSummary done = compute(at, collection, options, memory);
     if (done.stopped) return stopped(options, done);
     if (!options.command.empty() && with_report) at.store->set_fact("command", options.command);
     const double seconds = add_seconds(*at.store, now() - begin);
