@@ -4,6 +4,7 @@
 #include <openvdb/io/Stream.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -83,6 +84,9 @@ std::string answer_to(std::string content) {
     ::setrlimit(RLIMIT_CORE, &no_dump);
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
     ::alarm(patience);
+    // A process born of one with threads has none of them and must not make new ones; the library takes grids apart in
+    // loops of TBB.
+    const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
     const std::string answer = answer_to(std::move(content));
     for (std::size_t done = 0; done < answer.size();) {
         const ssize_t written = ::write(to, answer.data() + done, answer.size() - done);
@@ -129,6 +133,9 @@ openvdb::FloatGrid::Ptr read_vdb_values(std::string content, const fs::path& fil
     ::close(ends[0]);
     int status = 0;
     while (::waitpid(reader, &status, 0) < 0 && errno == EINTR) continue;
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) {
+        throw ReadError(file, "its values were not read within " + std::to_string(patience / 60) + " minutes", remedy);
+    }
     const ReadError broken(file, "its values are damaged: the library that reads them breaks down", remedy);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) throw broken;
     switch (static_cast<Answer>(answer.front())) {
