@@ -177,7 +177,12 @@ PixelImage pixels_of(const std::filesystem::path& file, const cv::Mat& decoded) 
                         "save it in grey or colour");
     }
     if (mat.depth() == CV_16U) {
-        image.max_value = 65535.0;
+        // White is the largest number of so many bits: cameras of 10, 12 and 14 write theirs into files of 16.
+        double largest = 0.0;
+        cv::minMaxLoc(mat.reshape(1), nullptr, &largest);
+        for (const double white : {65535.0, 16383.0, 4095.0, 1023.0}) {
+            if (largest <= white) image.max_value = white;
+        }
     } else if (mat.depth() != CV_8U) {  // signed or floating point: its own range becomes black to white
         double low = 0.0, high = 0.0;
         cv::Mat flat = mat.reshape(1);

@@ -106,6 +106,13 @@ TEST(ImageReader, SixteenBitsColourAndPaletteAreUnderstood) {
     const cv::Mat disk = disk_picture(96, 47.3, 50.6, 25.4);
     EXPECT_LT(disk_error(read(save(folder / "full.png", toned(disk, 65535, 0, CV_16U))), 47.3, 50.6, 25.4), 0.1);
     EXPECT_LT(disk_error(read(save(folder / "12bit.tif", toned(disk, 200, 4000, CV_16U))), 47.3, 50.6, 25.4), 0.1);
+    ImportOptions dark;
+    dark.foreground = "dark";
+    for (const double white : {300.0, 1000.0, 1023.0, 4095.0, 16383.0}) {  // cameras of 10, 12 and 14 bits
+        const auto file = save(folder / ("camera-" + std::to_string(white) + ".pgm"), toned(disk, white, 0, CV_16U));
+        EXPECT_LT(disk_error(read(file), 47.3, 50.6, 25.4), 0.1) << white;
+        EXPECT_LT(disk_error(read(file, dark), 47.3, 50.6, 25.4), 0.1) << white;
+    }
     EXPECT_LT(disk_error(read(save(folder / "float.tif", toned(disk, -3.0, 7.5, CV_32F))), 47.3, 50.6, 25.4), 0.1);
     cv::Mat with_gap = toned(disk, -3.0, 7.5, CV_64F);
     with_gap.at<double>(1, 1) = std::numeric_limits<double>::quiet_NaN();  // as GIS programs mark pixels without data
