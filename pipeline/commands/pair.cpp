@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
@@ -17,6 +18,22 @@
 
 namespace morphodesic::pipeline {
 namespace {
+
+constexpr const char* result_file = "geodesic.json";
+
+/// Removes the pictures of the geodesic that was drawn here before: it may have had more steps.
+void remove_former_pictures(const std::filesystem::path& folder) {
+    std::ifstream in(folder / result_file);
+    if (!in) return;
+    const auto former = nlohmann::json::parse(in, nullptr, false);
+    if (!former.is_object() || !former.contains("pictures") || !former["pictures"].is_array()) return;
+    for (const auto& entry : former["pictures"]) {
+        if (!entry.is_string()) continue;
+        const std::filesystem::path name = entry.get<std::string>();
+        std::error_code ignored;
+        if (name == name.filename()) std::filesystem::remove(folder / name, ignored);
+    }
+}
 
 template <int Dim>
 ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::NormalizeOptions& placement) {
@@ -85,6 +102,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     if (!options.out.empty() && !path.shapes.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
+        remove_former_pictures(folder.path());
         SolidView view;
         if constexpr (Dim == 3) view = view_of_path(path, b.row.name);
         std::vector<std::string> files = write_path_files(folder, "", draw_path(path, view));
@@ -95,10 +113,9 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
         if (problem.empty()) {
             for (std::string& name : write_pair_pictures(folder.path(), path, view)) files.push_back(std::move(name));
         }
-        folder.write("geodesic.json",
-                     summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-        summary.lines.push_back("pictures      " + folder.path().string());
         summary.data["pictures"] = files;
+        folder.write(result_file, summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        summary.lines.push_back("pictures      " + folder.path().string());
     }
     return summary.print(options.common);
 }

@@ -200,6 +200,15 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
     for (const char* name : {"step-00.png", "step-01.png", "step-02.png", "colours.json", "geodesic.json"}) {
         EXPECT_TRUE(fs::exists(folder / "path" / name)) << name;
     }
+    // A shorter path leaves no pictures of the longer one, and nothing else is touched.
+    std::ofstream(folder / "path/step-99.png") << "not ours";
+    ASSERT_EQ(morphodesic({"geodesic", (folder / "disks/disk-01.png").string(), (folder / "disks/disk-02.png").string(),
+                           "--quiet", "--level", "4", "--steps", "1", "--out", (folder / "path").string()})
+                  .code,
+              0);
+    EXPECT_TRUE(fs::exists(folder / "path/step-01.png"));
+    EXPECT_FALSE(fs::exists(folder / "path/step-02.png"));
+    EXPECT_TRUE(fs::exists(folder / "path/step-99.png"));
 }
 
 TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
