@@ -321,9 +321,100 @@ void smooth_noise(TriangleMesh& mesh, double noise) {
     }
 }
 
+namespace {
+
+using Laplacian = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Of each point that matters, its difference from the mean of its neighbours [points x points].
+Laplacian equal_weights(const std::vector<std::vector<int>>& neighbours, const std::vector<char>& matters) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int i = 0; i < static_cast<int>(neighbours.size()); ++i) {
+        if (!matters[i]) continue;
+        entries.emplace_back(i, i, 1.0);
+        for (const int j : neighbours[i]) entries.emplace_back(i, j, -1.0 / static_cast<double>(neighbours[i].size()));
+    }
+    const auto size = static_cast<Eigen::Index>(neighbours.size());
+    Laplacian result(size, size);
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+}
+
+/// The same with the weights that the triangles as they lie give: its squares add up to the square of the mean
+/// curvature, integrated over the surface (Pinkall and Polthier 1993; Desbrun et al. 1999).
+Laplacian cotangent_weights(const TriangleMesh& mesh, const std::vector<char>& matters) {
+    constexpr double least_weight = 0.02, least_area = 0.05;  // thin triangles must not turn or outweigh the others
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<double> area(mesh.points.size(), 0.0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& corner = mesh.triangles[t];
+        if (!matters[corner[0]] && !matters[corner[1]] && !matters[corner[2]]) continue;
+        const auto c = mesh.corners(t);
+        const double twice_area = norm(area_vector(c));
+        for (int a = 0; a < 3; ++a) {
+            const int i = corner[(a + 1) % 3], j = corner[(a + 2) % 3];
+            const Vector3 u = c[(a + 1) % 3] - c[a], v = c[(a + 2) % 3] - c[a];
+            const double weight = 0.5 * dot(u, v) / std::max(twice_area, 1e-3 * (dot(u, u) + dot(v, v)));
+            entries.emplace_back(i, j, weight);
+            entries.emplace_back(j, i, weight);
+            area[corner[a]] += twice_area / 6.0;
+        }
+    }
+    const auto size = static_cast<Eigen::Index>(mesh.points.size());
+    Laplacian weights(size, size);
+    weights.setFromTriplets(entries.begin(), entries.end());
+    double mean_area = 0.0;
+    for (std::size_t i = 0; i < area.size(); ++i) mean_area += matters[i] ? area[i] : 0.0;
+    mean_area /= static_cast<double>(std::count(matters.begin(), matters.end(), 1));
+    entries.clear();
+    for (int i = 0; i < static_cast<int>(size); ++i) {
+        if (!matters[i]) continue;
+        const double scale = 1.0 / std::sqrt(std::max(area[i], least_area * mean_area));
+        double sum = 0.0;
+        for (Laplacian::InnerIterator entry(weights, i); entry; ++entry) {
+            const double weight = scale * std::max(entry.value(), least_weight);
+            entries.emplace_back(i, static_cast<int>(entry.col()), -weight);
+            sum += weight;
+        }
+        entries.emplace_back(i, i, sum);
+    }
+    Laplacian result(size, size);
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+}
+
+/// Moves the unknown points to where the squares of the Laplacian are least.
+/// @param unknown  their numbers, -1 for the others [points]
+/// @return  false if that cannot be computed; then nothing has moved
+bool minimise_bending(TriangleMesh& mesh, const Laplacian& laplacian, const std::vector<int>& unknown, int count) {
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(laplacian.rows(), 3);
+    for (int i = 0; i < static_cast<int>(laplacian.rows()); ++i) {
+        for (Laplacian::InnerIterator entry(laplacian, i); entry; ++entry) {
+            const auto j = static_cast<std::size_t>(entry.col());
+            if (unknown[j] >= 0) {
+                entries.emplace_back(i, unknown[j], entry.value());
+            } else {
+                for (int a = 0; a < 3; ++a) right(i, a) -= entry.value() * mesh.points[j][a];
+            }
+        }
+    }
+    Eigen::SparseMatrix<double> differences(laplacian.rows(), count);
+    differences.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(
+        Eigen::SparseMatrix<double>(differences.transpose() * differences));
+    if (solver.info() != Eigen::Success) return false;
+    const Eigen::MatrixX3d moved = solver.solve(differences.transpose() * right);
+    if (!moved.allFinite()) return false;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        if (unknown[i] < 0) continue;
+        for (int a = 0; a < 3; ++a) mesh.points[i][a] = moved(unknown[i], a);
+    }
+    return true;
+}
+
+}  // namespace
+
 void fair(TriangleMesh& mesh, const std::vector<char>& is_free) {
-    // Second differences along the surface: of each point that is free or next to a free one, from the mean of its
-    // neighbours. Their squares are minimised over the free points.
     const std::vector<std::vector<int>> neighbours = neighbours_of(mesh);
     std::vector<int> unknown(mesh.points.size(), -1);
     int count = 0;
@@ -338,33 +429,16 @@ void fair(TriangleMesh& mesh, const std::vector<char>& is_free) {
         }
     }
     if (count == 0) return;
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(static_cast<Eigen::Index>(mesh.points.size()), 3);
+    std::vector<char> matters(mesh.points.size(), 0);  // free points and those next to one
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
         const auto& list = neighbours[i];
-        const bool matters =
-            unknown[i] >= 0 || std::any_of(list.begin(), list.end(), [&](int j) { return unknown[j] >= 0; });
-        if (!matters || list.empty()) continue;
-        const auto add = [&](std::size_t j, double weight) {
-            if (unknown[j] >= 0) {
-                entries.emplace_back(static_cast<int>(i), unknown[j], weight);
-            } else {
-                for (int a = 0; a < 3; ++a) right(static_cast<Eigen::Index>(i), a) -= weight * mesh.points[j][a];
-            }
-        };
-        add(i, 1.0);
-        for (const int j : list) add(static_cast<std::size_t>(j), -1.0 / static_cast<double>(list.size()));
+        matters[i] = unknown[i] >= 0 || std::any_of(list.begin(), list.end(), [&](int j) { return unknown[j] >= 0; });
     }
-    Eigen::SparseMatrix<double> differences(static_cast<Eigen::Index>(mesh.points.size()), count);
-    differences.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(
-        Eigen::SparseMatrix<double>(differences.transpose() * differences));
-    if (solver.info() != Eigen::Success) return;
-    const Eigen::MatrixX3d moved = solver.solve(differences.transpose() * right);
-    if (!moved.allFinite()) return;
-    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-        if (unknown[i] < 0) continue;
-        for (int a = 0; a < 3; ++a) mesh.points[i][a] = moved(unknown[i], a);
+    // Equal weights take no account of the bulge that they make: on it the triangles are larger and the lid ends too
+    // flat. Weights of the triangles as they now lie mend that. Done again and again they blow bubbles where the rim is
+    // rough.
+    if (minimise_bending(mesh, equal_weights(neighbours, matters), unknown, count)) {
+        minimise_bending(mesh, cotangent_weights(mesh, matters), unknown, count);
     }
 }
 

@@ -111,7 +111,7 @@ TEST(MeshSmoothing, AFilledHoleGoesOnRound) {
     }
     const double flat = deviation(dented);
     fair(dented, is_free);
-    EXPECT_LT(deviation(dented), 0.15 * flat);
+    EXPECT_LT(deviation(dented), 0.07 * flat);
     for (std::size_t i = 0; i < ball.points.size(); ++i) {
         if (!is_free[i]) {
             EXPECT_EQ(dented.points[i], ball.points[i]);
