@@ -144,7 +144,7 @@ Volume read_nifti(const fs::path& file, double max_megabytes) {
         volume.notes.emplace_back("The file does not say where its axes point: it may be a mirror image.");
     }
     check_geometry(file, volume);
-    decode(bytes_from(file, header.offset, header.layout.byte_count()), header.layout, volume);
+    decode(numbers_from(file, header.offset, header.layout), header.layout, volume);
     const double slope = image->scl_slope, shift = image->scl_inter;
     if (std::isfinite(slope) && std::isfinite(shift) && slope != 0.0 && (slope != 1.0 || shift != 0.0)) {
         for (float& v : volume.values) v = static_cast<float>(slope * v + shift);

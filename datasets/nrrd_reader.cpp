@@ -41,7 +41,9 @@ public:
             if (line.starts_with('#') || at == std::string_view::npos || line.substr(at, 2) == ":=") continue;
             std::string name = lower(line.substr(0, at));
             std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
-            values_[name] = trimmed(line.substr(at + 1));
+            if (!values_.emplace(name, trimmed(line.substr(at + 1))).second) {
+                refuse(file_, "its header gives " + name + " twice");
+            }
         }
     }
     [[nodiscard]] std::string get(const std::string& name, const std::string& otherwise = "") const {
@@ -96,6 +98,9 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
                   double max_megabytes, Volume& volume) {
     std::string other;
     fs::path holder = file;
+    if (where.file_name.starts_with("LIST") || where.file_name.find('%') != std::string::npos) {
+        refuse(file, "its numbers are spread over several files", "save it with all numbers in one file");
+    }
     if (!where.file_name.empty()) {
         // A header names what lies beside it: nothing else of this machine is read on its word.
         if (fs::path(where.file_name).filename() != where.file_name || where.file_name == "." ||
@@ -121,7 +126,7 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
     const auto skipped = static_cast<std::size_t>(std::max<std::int64_t>(where.skipped_bytes, 0));
     if (where.packing == Packing::packed) {
         if (skipped > 1'000'000) refuse(file, "its header skips more than a megabyte of the unpacked numbers");
-        return decode(inflated(holder, data, skipped + count).substr(skipped), layout, volume);
+        return decode(inflated(holder, data, skipped, layout), layout, volume);
     }
     if (where.packing == Packing::raw) {
         const std::size_t held = data.size() - std::min(skipped, data.size());
@@ -129,6 +134,7 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
             refuse(holder, "the header promises " + std::to_string(count) + " bytes of numbers, but there are only " +
                                std::to_string(held));
         }
+        if (where.skipped_bytes >= 0 && held > count + layout.most_padding()) refuse_surplus(holder, layout);
         const std::size_t from = where.skipped_bytes < 0 ? data.size() - count : skipped;
         return decode(std::string(data.substr(from, count)), layout, volume);
     }
@@ -137,7 +143,8 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
         refuse(holder, "the header promises " + std::to_string(wanted) + " numbers, more than there is text for");
     }
     for (int a = 0; a < 3; ++a) volume.nodes[a] = static_cast<int>(layout.nodes[a]);
-    for (TextScan scan(data); !scan.done() && volume.values.size() < wanted;) {
+    const std::size_t slice = wanted / static_cast<std::size_t>(layout.nodes[2]);
+    for (TextScan scan(data); !scan.done() && volume.values.size() < wanted + slice;) {
         std::string_view line = scan.line();
         for (std::string_view word = TextScan::word(line); !word.empty(); word = TextScan::word(line)) {
             float value = 0.0F;
@@ -149,6 +156,7 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
         refuse(holder, "the header promises " + std::to_string(wanted) + " numbers, but there are only " +
                            std::to_string(volume.values.size()));
     }
+    if (volume.values.size() >= wanted + slice) refuse_surplus(holder, layout);
     volume.values.resize(wanted);
 }
 
@@ -297,9 +305,6 @@ Volume read_metaimage(const fs::path& file, double max_megabytes) {
                                                        : Packing::raw;
     where.file_name = fields.get("elementdatafile");
     if (lower(where.file_name) == "local") where.file_name.clear();
-    if (where.file_name.starts_with("LIST") || where.file_name.find('%') != std::string::npos) {
-        refuse(file, "its numbers are spread over several files", "save it with all numbers in one file");
-    }
     where.offset = end + 1;
     if (const auto skipped = fields.numbers<std::int64_t>("headersize"); !skipped.empty()) {
         where.skipped_bytes = skipped.front();

@@ -9,6 +9,7 @@
 
 #include "datasets/mesh_check.h"
 #include "datasets/read_error.h"
+#include "datasets/shape_source.h"
 #include "datasets/text_scan.h"
 
 namespace morphodesic::datasets {
@@ -18,12 +19,6 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& problem) {
     throw ReadError(file, problem, "export or download the file again");
-}
-
-std::string ending_of(const fs::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending;
 }
 
 bool is_usable(const Vector3& p) {

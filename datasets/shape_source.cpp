@@ -16,13 +16,6 @@ constexpr std::array<std::string_view, 14> image_endings = {".png",  ".jpg", ".j
 constexpr std::array<std::string_view, 13> solid_endings = {".ply", ".obj",    ".stl",  ".off",  ".pcd", ".xyz", ".vdb",
                                                             ".nii", ".nii.gz", ".nrrd", ".nhdr", ".mhd", ".mha"};
 
-std::string ending_of(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    for (char& c : ending) c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
-    if (ending == ".gz" && ending_of(file.stem()) == ".nii") ending = ".nii.gz";
-    return ending;
-}
-
 int dimension_by_content(std::string_view head) {
     using namespace std::string_view_literals;
     const auto begins = [&](std::string_view magic) { return head.starts_with(magic); };
@@ -36,6 +29,13 @@ int dimension_by_content(std::string_view head) {
 }
 
 }  // namespace
+
+std::string ending_of(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    for (char& c : ending) c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
+    if (ending == ".gz" && ending_of(file.stem()) == ".nii") ending = ".nii.gz";
+    return ending;
+}
 
 int shape_dimension(const std::filesystem::path& file) {
     const std::string ending = ending_of(file);

@@ -14,6 +14,9 @@ struct ShapeSource {
     std::filesystem::path mask_path;  ///< name.mask.png beside the file (white = hidden); empty if there is none
 };
 
+/// The ending of a file's name in small letters, with its dot, ".nii.gz" as one; empty if there is none.
+std::string ending_of(const std::filesystem::path& file);
+
 /// 2 or 3 by the beginning of the file (PNG, JPEG, ..., PLY, OFF), else by the name's ending; 0 if neither tells a
 /// shape. A file that cannot be opened is judged by its ending.
 int shape_dimension(const std::filesystem::path& file);

@@ -3,15 +3,18 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <string_view>
 
 #include "datasets/nifti_reader.h"
 #include "datasets/nrrd_reader.h"
 #include "datasets/read_error.h"
+#include "datasets/shape_source.h"
 #include "datasets/text_scan.h"
 #include "datasets/voxelize.h"
 
@@ -34,16 +37,6 @@ void decode_as(const std::string& bytes, bool swapped, std::vector<float>& value
         std::memcpy(&value, one, sizeof(T));
         values[i] = static_cast<float>(value);
     }
-}
-
-std::string ending_of(const fs::path& file) {
-    std::string name = file.filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    for (const char* ending : {".nii.gz", ".nii", ".nrrd", ".nhdr", ".mhd", ".mha"}) {
-        if (name.ends_with(ending)) return ending;
-    }
-    return "";
 }
 
 /// The value at the surface.
@@ -96,6 +89,18 @@ std::size_t bytes_of(VoxelType type) {
 std::size_t VoxelLayout::byte_count() const {
     return static_cast<std::size_t>(nodes[0]) * static_cast<std::size_t>(nodes[1]) *
            static_cast<std::size_t>(nodes[2]) * bytes_of(type);
+}
+
+std::size_t VoxelLayout::most_padding() const {
+    const std::size_t slice = byte_count() / static_cast<std::size_t>(nodes[2]);
+    return std::max<std::size_t>(slice, 4096) - 1;
+}
+
+void refuse_surplus(const fs::path& file, const VoxelLayout& layout) {
+    throw ReadError(file,
+                    "its header promises " + std::to_string(layout.byte_count()) +
+                        " bytes of numbers, but there are more: part of the volume would be left out",
+                    again);
 }
 
 void check_layout(const fs::path& file, const VoxelLayout& layout, double max_megabytes) {
@@ -152,7 +157,11 @@ void decode(const std::string& bytes, const VoxelLayout& layout, Volume& volume)
     }
 }
 
-std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t count, bool is_header) {
+namespace {
+
+/// Exactly count bytes, and behind them at most so many more.
+std::string bytes_between(const fs::path& file, std::size_t offset, std::size_t count, std::size_t most_more,
+                          bool is_header) {
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw ReadError(file, "it cannot be read", "check the path and its permissions");
     const auto refuse = [&](std::size_t held) {
@@ -168,25 +177,43 @@ std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t cou
     if (!error && size == 0) throw ReadError(file, "the file is empty", again);
     const std::size_t at_most = gzdirect(in.get()) != 0 ? size : best_compression * size;
     if (at_most < offset + count) refuse(at_most > offset ? at_most - offset : 0);
-    std::string result(count, '\0');
+    std::string result(count + most_more, '\0');
     if (gzseek(in.get(), static_cast<z_off_t>(offset), SEEK_SET) < 0) refuse(0);
-    for (std::size_t done = 0; done < count;) {
-        const auto step = static_cast<unsigned>(std::min<std::size_t>(count - done, 1U << 30));
+    std::size_t done = 0;
+    while (done < result.size()) {
+        const auto step = static_cast<unsigned>(std::min<std::size_t>(result.size() - done, 1U << 30));
         const int got = gzread(in.get(), result.data() + done, step);
-        if (got <= 0) refuse(done);
+        if (got <= 0) break;
         done += static_cast<std::size_t>(got);
     }
+    if (done < count) refuse(done);
+    result.resize(done);
     return result;
 }
 
-std::string inflated(const fs::path& file, std::string_view stream, std::size_t count) {
+}  // namespace
+
+std::string bytes_from(const fs::path& file, std::size_t offset, std::size_t count, bool is_header) {
+    return bytes_between(file, offset, count, 0, is_header);
+}
+
+std::string numbers_from(const fs::path& file, std::size_t offset, const VoxelLayout& layout) {
+    const std::size_t count = layout.byte_count(), most = layout.most_padding();
+    std::string result = bytes_between(file, offset, count, most + 1, false);
+    if (result.size() > count + most) refuse_surplus(file, layout);
+    result.resize(count);
+    return result;
+}
+
+std::string inflated(const fs::path& file, std::string_view stream, std::size_t skipped, const VoxelLayout& layout) {
+    const std::size_t count = skipped + layout.byte_count(), most = layout.most_padding();
     if (best_compression * stream.size() < count) {
         throw ReadError(file,
                         "its header promises " + std::to_string(count) + " bytes of numbers, far more than its " +
                             std::to_string(stream.size()) + " packed bytes can hold",
                         again);
     }
-    std::string result(count, '\0');
+    std::string result(count + most + 1, '\0');
     z_stream zip{};
     constexpr int any_header = 15 + 32;  // zlib or gzip, told by its first bytes
     if (inflateInit2(&zip, any_header) != Z_OK) throw ReadError(file, "it cannot be unpacked", again);
@@ -194,9 +221,9 @@ std::string inflated(const fs::path& file, std::string_view stream, std::size_t 
     zip.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(stream.data()));
     zip.avail_in = static_cast<unsigned>(std::min<std::size_t>(stream.size(), 0xffffffffU));
     zip.next_out = reinterpret_cast<Bytef*>(result.data());
-    zip.avail_out = static_cast<unsigned>(count);
+    zip.avail_out = static_cast<unsigned>(result.size());
     const int state = inflate(&zip, Z_FINISH);
-    const std::size_t held = count - zip.avail_out;
+    const std::size_t held = result.size() - zip.avail_out;
     inflateEnd(&zip);
     if (held < count || (state != Z_STREAM_END && state != Z_BUF_ERROR && state != Z_OK)) {
         throw ReadError(file,
@@ -204,7 +231,8 @@ std::string inflated(const fs::path& file, std::string_view stream, std::size_t 
                             std::to_string(held) + " can be unpacked",
                         again);
     }
-    return result;
+    if (held > count + most) refuse_surplus(file, layout);
+    return result.substr(skipped, layout.byte_count());
 }
 
 TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string& isovalue) {
@@ -279,7 +307,8 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
 }
 
 bool is_volume(const fs::path& file) {
-    return !ending_of(file).empty();
+    constexpr std::array<std::string_view, 6> endings{".nii", ".nii.gz", ".nrrd", ".nhdr", ".mhd", ".mha"};
+    return std::find(endings.begin(), endings.end(), ending_of(file)) != endings.end();
 }
 
 Volume read_volume(const fs::path& file, double max_megabytes) {

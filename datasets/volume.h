@@ -29,6 +29,8 @@ struct VoxelLayout {
     VoxelType type = VoxelType::float32;
     bool big_endian = false;
     [[nodiscard]] std::size_t byte_count() const;
+    /// Bytes behind the numbers that may be padding. More of them are numbers that the header says nothing of.
+    [[nodiscard]] std::size_t most_padding() const;
 };
 
 /// @throws ReadError if an axis has fewer than two nodes, if there are more than 512^3 of them, or if they need more
@@ -47,9 +49,17 @@ void decode(const std::string& bytes, const VoxelLayout& layout, Volume& volume)
 std::string bytes_from(const std::filesystem::path& file, std::size_t offset, std::size_t count,
                        bool is_header = false);
 
-/// Exactly so many bytes out of a zlib or gzip stream.
-/// @throws ReadError if the stream is damaged or holds fewer
-std::string inflated(const std::filesystem::path& file, std::string_view stream, std::size_t count);
+/// The numbers from an offset on, as bytes_from.
+/// @throws ReadError if there are fewer, or more than padding explains
+std::string numbers_from(const std::filesystem::path& file, std::size_t offset, const VoxelLayout& layout);
+
+/// The numbers out of a zlib or gzip stream, behind so many bytes that are skipped.
+/// @throws ReadError if the stream is damaged, holds fewer, or more than padding explains
+std::string inflated(const std::filesystem::path& file, std::string_view stream, std::size_t skipped,
+                     const VoxelLayout& layout);
+
+/// @throws ReadError  the header promises fewer numbers than there are
+[[noreturn]] void refuse_surplus(const std::filesystem::path& file, const VoxelLayout& layout);
 
 /// Closed surface of {value > isovalue}; where the object reaches the border of the volume it is cut off flat.
 /// @param isovalue  a number, or "auto": midway for masks (two values) and for shares between 0 and 1

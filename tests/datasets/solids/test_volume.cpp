@@ -248,6 +248,10 @@ TEST(Volume, LiesAreNamed) {
     };
     EXPECT_THAT(refusal(with("30 24 20", "30 24 21")), HasSubstr("but there are only"));
     EXPECT_THAT(refusal(with("30 24 20", "30 24")), HasSubstr("2 numbers for sizes"));
+    EXPECT_THAT(refusal(with("dimension: 3", "sizes: 30 24 20\ndimension: 3")), HasSubstr("sizes twice"));
+    EXPECT_THAT(refusal(with("encoding: raw", "data file: LIST\nencoding: raw")), HasSubstr("several files"));
+    EXPECT_THAT(refusal(with("encoding: raw", "data file: s%03d.raw 0 19 1\nencoding: raw")),
+                HasSubstr("several files"));
     EXPECT_THAT(refusal(with("dimension: 3", "dimension: 4")), HasSubstr("4 axes"));
     EXPECT_THAT(refusal(with("type: short", "type: block")), HasSubstr("block"));
     EXPECT_THAT(refusal(with("raw", "zip")), HasSubstr("zip"));
@@ -265,6 +269,41 @@ TEST(Volume, LiesAreNamed) {
     EXPECT_THAT(refusal(folder.write("d.mha", metaimage("BinaryData = True\nCompressedData = True", "LOCAL", "abc"))),
                 HasSubstr("far more than its 3 packed bytes"));
     EXPECT_THAT(refusal(folder.write("e.mha", "ObjectType = Image\n")), HasSubstr("no ElementDataFile"));
+}
+
+/// Half a volume is another solid; a few bytes behind the numbers are not.
+TEST(Volume, MoreNumbersThanPromisedAreRefused) {
+    const FileFolder folder;
+    const std::string shorts = ball_values<std::int16_t>();
+    const std::string padded = shorts + std::string(500, '\0'), twice = shorts + shorts;
+    std::string text, texts;
+    for (std::size_t i = 0; i < shorts.size(); i += 2) text += "1 ";
+    texts = text + text;
+    const auto refusal = [&](const std::string& name, const std::string& content) -> std::string {
+        try {
+            read_volume(folder.write(name, content), 100);
+        } catch (const ReadError& error) {
+            return error.problem();
+        }
+        return "";
+    };
+    const std::string little = "\nendian: little";
+    for (const bool more : {false, true}) {
+        const std::string& bytes = more ? twice : padded;
+        const auto expected = more ? HasSubstr("but there are more") : HasSubstr("");
+        const auto check = [&](const std::string& name, const std::string& content) {
+            const std::string problem = refusal(name, content);
+            EXPECT_EQ(problem.empty(), !more) << name << ": " << problem;
+            EXPECT_THAT(problem, expected) << name;
+        };
+        check("a.nii", nifti(bytes, 4, 16));
+        check("a.nii.gz", packed(nifti(bytes, 4, 16), as_gzip));
+        check("a.nrrd", nrrd("encoding: raw" + little, bytes));
+        check("b.nrrd", nrrd("encoding: gzip" + little, packed(bytes, as_gzip)));
+        check("c.nrrd", nrrd("encoding: text", more ? texts : text + "1 1"));
+        check("a.mha", metaimage("BinaryData = True\nCompressedData = True", "LOCAL",
+                                 packed(ball_values<float>() + (more ? ball_values<float>() : ""), as_zlib)));
+    }
 }
 
 TEST(Volume, DamagedBytesNeverCrash) {
