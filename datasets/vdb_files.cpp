@@ -74,19 +74,30 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
                             "\" was used.");
         }
     }
-    if (!grid) throw ReadError(file, "there is no grid of numbers in it", "save a level set or a density");
+    if (!grid)
+        throw ReadError(file, "there is no grid of floating-point numbers in it", "save a level set or a density");
     if (!grid->transform().isLinear()) throw ReadError(file, "its grid is not a regular one", "resample it");
     const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
     if (box.empty()) throw ReadError(file, "its grid is empty", "export or download the file again");
     if (box.volume() > largest_voxel_count) {
         throw ReadError(file, "its grid spans more voxels than 512 x 512 x 512", "resample the volume");
     }
-    const bool is_level_set = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
+    float low = grid->background(), high = low;
+    for (auto it = grid->cbeginValueOn(); it; ++it) low = std::min(low, *it), high = std::max(high, *it);
+    const openvdb::GridClass said = grid->getGridClass();
+    // A density is 0 where there is nothing; a distance is positive there.
+    const bool looks_like_distances = said == openvdb::GRID_UNKNOWN && grid->background() > 0 && low < 0;
+    if (looks_like_distances && isovalue == "auto") {
+        notes.emplace_back("The grid does not say what it holds; it was taken for a signed distance, negative inside.");
+    }
+    const bool is_level_set = said == openvdb::GRID_LEVEL_SET || looks_like_distances;
     double value = is_level_set ? 0.0 : 0.5;
-    if (isovalue != "auto") TextScan::number(isovalue, value);
+    if (isovalue != "auto") {
+        TextScan::number(isovalue, value);
+    } else if (!is_level_set) {
+        notes.emplace_back("The surface is where the density passes 0.5; --isovalue chooses another value.");
+    }
     if (!is_level_set) {
-        float low = grid->background(), high = low;
-        for (auto it = grid->cbeginValueOn(); it; ++it) low = std::min(low, *it), high = std::max(high, *it);
         if (!(low < value && value < high)) {
             char text[96];
             std::snprintf(text, sizeof text, "its values run from %g to %g, so there is no surface at %g", low, high,

@@ -33,13 +33,7 @@ enum class Answer : char { grid = 'g', nothing = 'n', fault = 'f' };
 openvdb::FloatGrid::Ptr float_grid(const openvdb::GridBase::Ptr& base) {
     if (auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base)) return grid;
     if (auto other = openvdb::gridPtrCast<openvdb::DoubleGrid>(base)) {
-        auto grid = openvdb::FloatGrid::create(static_cast<float>(other->background()));
-        grid->setTransform(other->transformPtr()->copy());
-        grid->setGridClass(other->getGridClass());
-        for (auto it = other->cbeginValueOn(); it; ++it) {
-            grid->tree().addTile(it.getLevel(), it.getCoord(), static_cast<float>(it.getValue()), true);
-        }
-        return grid;
+        return std::make_shared<openvdb::FloatGrid>(*other);  // also what is not active: the inside of a level set
     }
     return nullptr;
 }

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lzf.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/LevelSetUtil.h>
 
 #include "datasets/import.h"
 #include "datasets/point_cloud_reader.h"
@@ -207,6 +210,44 @@ TEST(VdbFiles, DamagedValuesEndNothingButTheirReading) {
         if (!refusal.empty()) ++refused;
     }
     EXPECT_GT(refused, 10);
+}
+
+TEST(VdbFiles, WhatAGridHoldsIsToldByItsKindAndValues) {
+    openvdb::initialize();
+    const FileFolder folder;
+    const auto file = folder.path() / "grid.vdb";
+    const double exact = 4.0 / 3.0 * 3.14159265 * 8000;
+    const auto volume_of = [&](const openvdb::GridBase::Ptr& grid, std::vector<std::string>& notes) {
+        grid->setName("shape");
+        openvdb::io::File out(file.string());
+        out.write({grid});
+        out.close();
+        notes.clear();
+        return signed_volume(read_vdb_surface(file, "auto", 100, notes));
+    };
+    std::vector<std::string> notes;
+    const auto floats = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, {0, 0, 0}, 1, 3);
+    EXPECT_NEAR(volume_of(floats->deepCopy(), notes), exact, 0.01 * exact);
+    EXPECT_TRUE(notes.empty());
+    // Doubles, too, are negative inside of the band.
+    const auto doubles = openvdb::tools::createLevelSetSphere<openvdb::DoubleGrid>(20, {0, 0, 0}, 1, 3);
+    EXPECT_NEAR(volume_of(doubles, notes), exact, 0.01 * exact);
+    EXPECT_TRUE(notes.empty());
+    const auto untold = floats->deepCopy();
+    untold->setGridClass(openvdb::GRID_UNKNOWN);
+    EXPECT_NEAR(volume_of(untold, notes), exact, 0.01 * exact);
+    EXPECT_THAT(notes, testing::ElementsAre(HasSubstr("taken for a signed distance")));
+    const auto fog = floats->deepCopy();
+    openvdb::tools::sdfToFogVolume(*fog);
+    EXPECT_GT(volume_of(fog, notes), 0.5 * exact);
+    EXPECT_THAT(notes, testing::ElementsAre(HasSubstr("passes 0.5")));
+    EXPECT_THAT(vdb_refusal([&] {
+                    openvdb::io::File out(file.string());
+                    out.write({openvdb::Int32Grid::create()});
+                    out.close();
+                    return file;
+                }()),
+                HasSubstr("no grid of floating-point numbers"));
 }
 
 TEST(VdbFiles, NamesMayBeWrittenInAnyLetters) {
