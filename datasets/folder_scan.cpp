@@ -73,6 +73,7 @@ public:
                   [](const ScanProblem& a, const ScanProblem& b) { return a.path < b.path; });
         attach_masks();
         attach_labels();
+        say_other_kinds();
         return std::move(result_);
     }
 
@@ -142,9 +143,70 @@ private:
         if (fs::is_regular_file(status)) {
             const int dimension = shape_dimension(entry.path());
             if (dimension != 0) result_.sources.push_back({entry.path(), folder.prefix + file_name, "", dimension, {}});
+            if (dimension == 0) note_other_kind(entry.path());
         } else if (link && shape_dimension(entry.path()) != 0) {
             problem(entry.path(), "the link leads nowhere", "repair or remove it");
         }
+    }
+
+    /// Counts files that may be meant as shapes: all but those that belong to others or tell of them.
+    void note_other_kind(const fs::path& file) {
+        static const std::set<std::string> companions{"",
+                                                      ".csv",
+                                                      ".tsv",
+                                                      ".txt",
+                                                      ".md",
+                                                      ".rst",
+                                                      ".json",
+                                                      ".xml",
+                                                      ".html",
+                                                      ".htm",
+                                                      ".pdf",
+                                                      ".toml",
+                                                      ".yaml",
+                                                      ".yml",
+                                                      ".ini",
+                                                      ".log",
+                                                      ".mtl",
+                                                      ".raw",
+                                                      ".zraw",
+                                                      ".bib",
+                                                      ".doc",
+                                                      ".docx",
+                                                      ".odt",
+                                                      ".xls",
+                                                      ".xlsx",
+                                                      ".ods",
+                                                      ".py",
+                                                      ".r",
+                                                      ".m",
+                                                      ".sh",
+                                                      ".bat",
+                                                      ".sqlite",
+                                                      ".db",
+                                                      ".bak",
+                                                      ".tmp",
+                                                      ".lock",
+                                                      ".sqlite-wal",
+                                                      ".sqlite-shm",
+                                                      ".sqlite-journal",
+                                                      ".tps",
+                                                      ".lnk",
+                                                      ".url"};
+        const std::string ending = ending_of(file);
+        if (!companions.contains(ending)) ++other_kinds_[ending];
+    }
+
+    void say_other_kinds() {
+        if (other_kinds_.empty()) return;
+        std::size_t count = 0;
+        std::string kinds;
+        for (const auto& [ending, files] : other_kinds_) {
+            count += files;
+            kinds += (kinds.empty() ? "" : ", ") + ending + (files > 1 ? " (" + std::to_string(files) + ")" : "");
+        }
+        result_.notes.push_back("Passed over " + std::to_string(count) + (count == 1 ? " file" : " files") +
+                                " of kinds that are not read: " + kinds + ".");
     }
 
     void attach_masks() {
@@ -220,6 +282,7 @@ private:
     ScanResult result_;
     std::deque<Folder> waiting_, linked_;
     std::set<fs::path> seen_;
+    std::map<std::string, std::size_t> other_kinds_;       // by ending
     std::vector<std::pair<std::string, fs::path>> masks_;  // name without ".mask.png", file
 };
 

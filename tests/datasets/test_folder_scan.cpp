@@ -41,6 +41,15 @@ TEST(FolderScan, FindsShapesSortedBytewiseAndNothingElse) {
     EXPECT_THAT(result.problems, IsEmpty());
 }
 
+TEST(FolderScan, FilesOfOtherKindsAreCounted) {
+    const tests::TemporaryFolder folder;
+    for (const char* name : {"a.png", "b.GLB", "c/d.glb", "e.hdr", "f.ply.gz", "LICENSE", "a.mtl", "x.csv"}) {
+        folder.write(name, "x");
+    }
+    EXPECT_THAT(scan_folder(folder.path()).notes,
+                ElementsAre("Passed over 4 files of kinds that are not read: .glb (2), .gz, .hdr."));
+}
+
 TEST(FolderScan, ContentOverrulesTheEnding) {
     const tests::TemporaryFolder folder;
     folder.write("mesh.png", "ply\nformat ascii 1.0\n");
