@@ -1,15 +1,35 @@
 #include "datasets/collection_folder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
 #include "datasets/image_pixels.h"
 #include "datasets/read_error.h"
-#include "datasets/shape_source.h"
 
 namespace morphodesic::datasets {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether a file or folder is another folder or lies below it, links followed.
+bool lies_in(const fs::path& inner, const fs::path& outer) {
+    const fs::path below = fs::weakly_canonical(inner), above = fs::weakly_canonical(outer);
+    return std::mismatch(above.begin(), above.end(), below.begin(), below.end()).first == above.end();
+}
+
+/// The folder that a source's name is relative to.
+fs::path folder_of(const ShapeSource& source) {
+    fs::path folder = fs::absolute(source.path);
+    for (const fs::path& part : fs::path(source.name)) {
+        static_cast<void>(part);
+        folder = folder.parent_path();
+    }
+    return folder;
+}
+
+}  // namespace
 
 void prepare_collection_folder(const fs::path& folder, const std::set<std::string>& names) {
     std::error_code error;
@@ -20,6 +40,14 @@ void prepare_collection_folder(const fs::path& folder, const std::set<std::strin
         if (entry.is_regular_file(error) && shape_dimension(entry.path()) != 0 && !names.contains(name)) {
             throw ReadError(folder, "the folder holds another shape (" + name + ")", "name a new or an empty folder");
         }
+    }
+}
+
+void keep_apart_from(const std::vector<ShapeSource>& sources, const fs::path& folder) {
+    for (const ShapeSource& source : sources) {
+        if (!lies_in(folder, folder_of(source)) && !lies_in(source.path, folder)) continue;
+        throw ReadError(folder, "it would hold the shapes and what is made from them (" + source.path.string() + ")",
+                        "name a folder beside that of the shapes");
     }
 }
 

@@ -412,6 +412,7 @@ void write_hidden_limbs(const std::vector<Drawing>& men, const std::filesystem::
 OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const std::filesystem::path& folder,
                                 const OcclusionOptions& options, const ImportOptions& import_options) {
     for (const std::string& problem : options.problems()) throw std::invalid_argument(problem);
+    keep_apart_from(sources, folder);
     const std::vector<std::string> stems = query_names(sources);
     std::vector<std::vector<std::string>> names(sources.size());
     std::set<std::string> files;

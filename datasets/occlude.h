@@ -64,7 +64,7 @@ void write_hidden_limbs(const std::vector<Drawing>& men, const std::filesystem::
 /// Makes queries from shapes: NAME.png (black on white), NAME.mask.png (white = hidden), truth.csv (file,label) and
 /// parameters.csv (file, label, source, kind, hidden share) in a folder that is created if need be. From solids scans
 /// are made that are cut off by a plane: NAME.ply, open where they are cut (half-plane only).
-/// @throws ReadError   if the folder holds other shapes
+/// @throws ReadError   if the folder holds other shapes, or if the queries would lie among the sources
 /// @throws WriteError  if a file cannot be written
 OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const std::filesystem::path& folder,
                                 const OcclusionOptions& options, const ImportOptions& import_options = {});

@@ -61,8 +61,9 @@ int write_queries(const DatasetOptions& options) {
     std::vector<StudyFailure> failures;
     for (const auto& problem : scan.problems) failures.push_back({"", "", problem.message()});
     if (scan.sources.empty()) throw std::invalid_argument(options.source.string() + ": no shapes to occlude");
-    fs::path from = options.source;
+    fs::path from = options.source.lexically_normal();
     if (from.filename().empty()) from = from.parent_path();
+    if (from == "." || from.filename() == "..") from = fs::canonical(from);  // a name to put the ending to
     const fs::path folder = options.out.empty() ? fs::path(from.string() + ".occluded") : options.out;
     const datasets::OcclusionSummary written =
         datasets::write_occluded(scan.sources, folder, options.occlusion, options.reading.import);

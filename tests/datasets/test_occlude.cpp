@@ -137,6 +137,25 @@ TEST(Occlude, QueriesComeWithMasksAndTheTruth) {
     EXPECT_THROW(write_occluded(scan.sources, folder / "out", options), std::invalid_argument);
 }
 
+TEST(Occlude, QueriesNeverLieAmongTheShapesTheyAreMadeFrom) {
+    const tests::TemporaryFolder folder;
+    CollectionOptions collection;
+    collection.count = 2;
+    write_collection(folder / "in/even", dumbbells(collection), 64);
+    const ScanResult scan = scan_folder(folder / "in");
+    const std::string name = "in/" + scan.sources[0].name, bytes = tests::file_content(folder / name);
+    std::filesystem::create_directory_symlink(folder / "in", folder / "link");
+    // The folder itself, folders inside it (there already or not), the folder it lies in, and the same by a link.
+    for (const char* out : {"in", "in/even", "in/queries", "in/../in", "link", "link/queries", "."}) {
+        EXPECT_THROW(write_occluded(scan.sources, folder / out, {}), ReadError) << out;
+    }
+    EXPECT_EQ(tests::file_content(folder / name), bytes);
+    EXPECT_FALSE(std::filesystem::exists(folder / "in/queries"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "in/truth.csv"));
+    EXPECT_EQ(write_occluded(scan.sources, folder / "in.occluded", {}).queries, 2);
+    EXPECT_EQ(write_occluded(scan.sources, folder / "in.occluded", {}).queries, 2);  // again: its own files
+}
+
 TEST(Occlude, APlaneCutsOffAShareOfASolid) {
     // A box, 1 x 2 x 4: a fifth of it lies beyond z = 3.2.
     TriangleMesh box;
