@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <unordered_map>
 
 #include "analysis/csv.h"
@@ -54,6 +55,7 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
     }
     std::vector<QueryRow> queries;
     std::map<std::string, std::size_t> number;
+    std::set<std::pair<std::size_t, std::size_t>> taken;  // query and item
     bool any = false;
     while (reader.next(cells)) {
         if (cells.size() != header.size()) {
@@ -65,8 +67,15 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
         const std::string& name = cells[is_ranking ? *file : 0];
         const auto [at, fresh] = number.emplace(name, queries.size());
         if (fresh) queries.push_back({name, std::vector<double>(labels.size(), analysis::missing)});
-        std::vector<double>& known = queries[at->second].distances;
+        const std::size_t query = at->second;
+        std::vector<double>& known = queries[query].distances;
         const auto take = [&](std::size_t to, std::size_t c) {
+            if (!taken.emplace(query, to).second) {
+                throw ParseError(
+                    source, reader.line(), c + 1,
+                    "a second distance of '" + name.substr(0, 60) + "' to '" + labels[to].substr(0, 60) + "'",
+                    "name every query and every shape once");
+            }
             known[to] = distance_in(cells[c], source, reader.line(), c + 1);
             any = any || !std::isnan(known[to]);
         };

@@ -18,7 +18,7 @@ struct QueryRow {
 /// Reads the distances of further shapes to the items of a study. Two kinds of tables are understood, told apart by the
 /// header: a row per query (first cell: its name) with a column per item, and ranking.csv of `classify` with a row per
 /// query and template (columns file, template, distance). Items that the table does not name are not known.
-/// @throws analysis::ParseError if the table cannot be read, names no item, or a query has no distance
+/// @throws analysis::ParseError if the table cannot be read, names no item, or has two distances for one query and item
 [[nodiscard]] std::vector<QueryRow> read_queries(const std::filesystem::path& table,
                                                  const std::vector<std::string>& labels);
 

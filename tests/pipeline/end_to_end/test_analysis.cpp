@@ -117,6 +117,15 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const Outcome bad = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "bad.csv").string()});
     EXPECT_EQ(bad.code, 2);
     EXPECT_THAT(bad.err, HasSubstr("no distance to any of the 6 shapes"));
+    // Two queries of one name must not become one.
+    write_file(folder / "twice.csv", ",a1,b1\nq,1,9\nq,9,1\n");
+    write_file(folder / "ranking.csv", "file,rank,template,class,distance\nq,1,a1,,1\nq,2,b1,,9\nq,1,b1,,1\n");
+    for (const char* queries : {"twice.csv", "ranking.csv"}) {
+        const Outcome twice =
+            morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / queries).string()});
+        EXPECT_EQ(twice.code, 2) << queries;
+        EXPECT_THAT(twice.err, HasSubstr("a second distance of 'q' to '")) << queries;
+    }
 }
 
 /// Two thousand shapes have two million pairs: nothing of the size of a geodesic is kept for each.
