@@ -17,6 +17,7 @@
 
 #include "analysis/k_medoids.h"
 #include "pipeline/classify_page.h"
+#include "pipeline/classify_queries.h"
 #include "pipeline/classify_results.h"
 #include "pipeline/classify_screening.h"
 #include "pipeline/classify_templates.h"
@@ -36,65 +37,6 @@ double now() {
 
 bool stopped() {
     return StopSignals::caught() != 0;
-}
-
-/// The queries that were named, with what is known of their classes.
-struct QueryList {
-    std::vector<datasets::ShapeSource> sources;  ///< label: the true class, empty if unknown
-    std::vector<StudyFailure> failures;
-    std::vector<std::string> remarks;
-};
-
-void apply_truth(const std::map<std::string, std::string>& truth, std::vector<datasets::ShapeSource>& sources,
-                 std::size_t first, std::vector<std::string>& remarks) {
-    long unknown = 0;
-    for (std::size_t i = first; i < sources.size(); ++i) {
-        const auto found = truth.find(sources[i].name);
-        sources[i].label = found == truth.end() ? "" : found->second;
-        unknown += found == truth.end() ? 1 : 0;
-    }
-    if (unknown > 0) remarks.push_back(std::to_string(unknown) + " queries are not in the table of true classes.");
-}
-
-QueryList list_queries(const ClassifyCommandOptions& options) {
-    QueryList list;
-    std::optional<std::map<std::string, std::string>> truth;
-    if (!options.truth.empty()) truth = datasets::read_labels(options.truth);
-    for (const fs::path& query : options.queries) {
-        const std::size_t first = list.sources.size();
-        if (fs::is_directory(query)) {
-            std::error_code error;
-            const bool own_table = !truth && fs::exists(query / "truth.csv", error);
-            datasets::ScanResult scan =
-                datasets::scan_folder(query, {truth || own_table ? "none" : options.settings.labels});
-            for (const auto& problem : scan.problems) list.failures.push_back({"", "", problem.message()});
-            for (auto& source : scan.sources) list.sources.push_back(std::move(source));
-            if (own_table) {
-                apply_truth(datasets::read_labels(query / "truth.csv"), list.sources, first, list.remarks);
-            }
-        } else {
-            try {
-                list.sources.push_back(datasets::single_source(query));
-            } catch (const datasets::ReadError& error) {
-                list.failures.push_back({query.string(), "", error.what()});
-                continue;
-            }
-        }
-        if (truth) apply_truth(*truth, list.sources, first, list.remarks);
-    }
-    if (options.mask != "known" && options.mask != "none" && options.mask != "auto") {
-        if (list.sources.size() != 1) {
-            throw std::invalid_argument("--mask " + options.mask +
-                                        ": one mask image belongs to one query; for many queries put NAME.mask.png "
-                                        "beside each NAME, or use --mask auto");
-        }
-        if (!fs::exists(options.mask)) {
-            throw datasets::ReadError(options.mask, "there is no such mask",
-                                      "name a picture (white = hidden), or known, none or auto");
-        }
-        list.sources.front().mask_path = options.mask;
-    }
-    return list;
 }
 
 template <int Dim>
@@ -223,10 +165,10 @@ public:
 
     void classify_queries(const QueryList& list) {
         const double begin = now();
-        progress_.message("classifying " + std::to_string(list.sources.size()) + " queries");
-        run.queries.resize(list.sources.size());
-        pictured_.resize(std::min(list.sources.size(), static_cast<std::size_t>(options_.pictures)));
-        count(list.sources.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.sources[i], i); });
+        progress_.message("classifying " + std::to_string(list.queries.size()) + " queries");
+        run.queries.resize(list.queries.size());
+        pictured_.resize(std::min(list.queries.size(), static_cast<std::size_t>(options_.pictures)));
+        count(list.queries.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.queries[i], i); });
         run.seconds = now() - begin;
         for (const QueryResult& query : run.queries) {
             if (!query.problem.empty()) run.failures.push_back({query.name, "", query.problem});
@@ -322,10 +264,9 @@ private:
         for (const auto& known : analysis::class_counts(classes_)) run.classes.push_back(known.name);
     }
 
-    QueryResult classify_one(const datasets::ShapeSource& source, std::size_t index) {
+    QueryResult classify_one(const Query& one, std::size_t index) {
+        const datasets::ShapeSource& source = one.source;
         QueryResult result;
-        result.name = source.name;
-        result.truth = source.label;
         const double begin = now();
         try {
             if (source.dimension != Dim) {
@@ -339,7 +280,6 @@ private:
             const auto rows = compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic,
                                                           options_.classify, stopped);
             result = result_of(*query, rows);
-            result.truth = source.label;
             if (index < pictured_.size()) remember(pictured_[index], query, rows);
         } catch (const std::bad_alloc&) {
             result.problem = source.path.string() + ": not enough memory; choose a lower --level";
@@ -348,6 +288,8 @@ private:
         } catch (const std::invalid_argument& error) {
             result.problem = source.path.string() + ": " + error.what();
         }
+        result.name = one.name;
+        result.truth = source.label;
         result.seconds = now() - begin;
         return result;
     }
@@ -538,7 +480,7 @@ int classify(const ClassifyCommandOptions& options) {
     QueryList list;
     if (!options.leave_one_out) list = list_queries(options);
     Progress progress(Progress::style_of_stderr(options.common.quiet));
-    if (!options.leave_one_out && list.sources.empty()) {
+    if (!options.leave_one_out && list.queries.empty()) {
         for (const StudyFailure& failure : list.failures) std::cerr << "morphodesic: " << failure.reason << "\n";
         std::cerr << "morphodesic: there is no query that can be used\n";
         return bad_usage;
