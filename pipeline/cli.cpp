@@ -21,6 +21,7 @@
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/study_report.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -479,6 +480,10 @@ int parse_and_run(std::vector<std::string> arguments) {
             if (settings == &second.study.settings) {
                 const auto more = second.study.analysis.problems();
                 problems.insert(problems.end(), more.begin(), more.end());
+                // Before hours of work, not when the paths are drawn.
+                if (std::string bad = path_choice_problem(second.study.paths); !bad.empty()) {
+                    problems.push_back(std::move(bad));
+                }
             } else if (settings == &second.classify.settings) {
                 const auto more = second.classify.classify.problems();
                 problems.insert(problems.end(), more.begin(), more.end());

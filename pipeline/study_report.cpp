@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -127,6 +128,14 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
     }
 }
 
+/// A whole number >= 0, if the text is one.
+std::optional<std::size_t> count_from(const std::string& text) {
+    std::size_t count = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return count;
+}
+
 }  // namespace
 
 AnalysedStudy analyse_study(const StudyData& data, const an::AnalysisOptions& options) {
@@ -192,14 +201,11 @@ std::vector<std::pair<int, int>> choose_paths(const reports::ReportModel& model,
         const std::pair<int, int> pair = std::minmax(a, b);
         if (a != b && distance(a, b) > 0 && seen.insert(pair).second) chosen.push_back(pair);
     };
-    std::size_t limit = 0;
-    const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), limit);
-    const bool is_number = error == std::errc() && end == choice.data() + choice.size();
-    if (!is_number && choice != "none" && choice != "nearest" && choice != "all") {
-        throw std::invalid_argument("--paths is \"" + choice + "\"; it must be none, nearest, all or a number");
-    }
+    if (const std::string problem = path_choice_problem(choice); !problem.empty()) throw std::invalid_argument(problem);
     if (choice == "none") return chosen;
-    if (is_number) {
+    std::size_t limit = static_cast<std::size_t>(-1);
+    if (const auto count = count_from(choice)) {
+        limit = *count;
         const std::vector<int> medoids = !model.classes.empty()       ? model.classes.front().class_medoids
                                          : !model.clusterings.empty() ? model.clusterings.front().medoids
                                                                       : std::vector<int>();
@@ -217,8 +223,6 @@ std::vector<std::pair<int, int>> choose_paths(const reports::ReportModel& model,
         }
         choose(nearest.first, nearest.second);
         choose(farthest.first, farthest.second);
-    } else {
-        limit = static_cast<std::size_t>(-1);
     }
     for (int a = 0; a < n && chosen.size() < limit; ++a) {
         int nearest = a;
@@ -233,6 +237,11 @@ std::vector<std::pair<int, int>> choose_paths(const reports::ReportModel& model,
     }
     if (chosen.size() > limit) chosen.resize(limit);
     return chosen;
+}
+
+std::string path_choice_problem(const std::string& choice) {
+    if (choice == "none" || choice == "nearest" || choice == "all" || count_from(choice)) return "";
+    return "--paths is \"" + choice + "\"; it must be none, nearest, all or a number";
 }
 
 }  // namespace morphodesic::pipeline

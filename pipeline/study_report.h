@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,9 +21,12 @@ struct AnalysedStudy {
 /// Pairs whose paths are worth a look, best first: between the medoids of the classes (else clusters), the nearest and
 /// the farthest pair, then every shape with its nearest neighbour. Numbers of model shapes, a < b, no pair twice; only
 /// pairs with a distance > 0.
-/// @param choice  none | nearest | all | a number
+/// @param choice  none | nearest | all | a number, see path_choice_problem
 /// @throws std::invalid_argument for another word
 [[nodiscard]] std::vector<std::pair<int, int>> choose_paths(const reports::ReportModel& model,
                                                             const std::string& choice);
+
+/// What is wrong with a choice of paths; empty if it can be used.
+[[nodiscard]] std::string path_choice_problem(const std::string& choice);
 
 }  // namespace morphodesic::pipeline
