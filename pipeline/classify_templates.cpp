@@ -6,6 +6,7 @@
 #include <charconv>
 #include <optional>
 
+#include "pipeline/collection.h"
 #include "pipeline/result_store.h"
 #include "pipeline/study_folder.h"
 
@@ -24,9 +25,7 @@ ComparedShape<Dim> compared(datasets::Shape<Dim> shape) {
 template <int Dim>
 TemplateSet<Dim> from_store(const fs::path& folder, const RunSettings& wanted) {
     const ResultStore store(StudyFolder(folder).store(), ResultStore::Access::read);
-    const auto text = store.fact("settings");
-    if (!text) throw StoreError(store.file(), "the study has no settings yet; make it with: morphodesic run FOLDER");
-    const RunSettings settings = settings_from_text(*text);
+    const RunSettings settings = settings_of_study(store);
     TemplateSet<Dim> set;
     set.import = settings.import;
     set.placement.mode = settings.normalize;

@@ -162,35 +162,33 @@ std::string scale_key_of(datasets::ImportOptions options) {
     return "common_scale of " + digest(canonical_text(options));
 }
 
-/// The scale of the collection: the frozen one where all shapes fit, else a new one. One is kept for each way of
-/// reading, so that whoever comes back to the options of before finds the distances of before.
-double settle_scale(const Collection& collection, ResultStore& store, std::vector<std::string>& remarks) {
+/// The scale of the collection: the frozen one where all shapes fit, else a new one; 0 if there is none to place. One
+/// is kept for each way of reading, so that whoever comes back to the options of before finds the distances of before.
+double scale_of(const Collection& collection, const ResultStore& store, std::vector<std::string>& remarks) {
     std::vector<double> radii;
     for (const CollectionEntry& entry : collection.entries) {
         if (entry.row.problem.empty()) radii.push_back(entry.row.extent_radius);
     }
     if (radii.empty()) return 0.0;
     const double needed = datasets::common_scale(radii);
-    const std::string key = scale_key_of(collection.import);
-    auto frozen = store.fact(key);
+    auto frozen = store.fact(scale_key_of(collection.import));
     // Studies of older programs have one scale only.
     if (!frozen && store.fact("common_scale_key") == canonical_text(collection.import)) {
         frozen = store.fact("common_scale");
     }
-    const auto settle = [&](double scale) {
-        for (const std::string& fact : {std::string("common_scale"), key}) {
-            if (store.fact(fact) != exact(scale)) store.set_fact(fact, exact(scale));
-        }
-        return scale;
-    };
     if (frozen) {
         const double scale = exact_from(*frozen);
-        if (scale <= needed * (1 + 1e-12)) return settle(scale);
+        if (scale <= needed * (1 + 1e-12)) return scale;
         remarks.push_back(
             "A new shape is larger than all before and does not fit at the scale of this study; all shapes "
             "are placed at a smaller scale and all pairs are computed anew.");
     }
-    return settle(needed);
+    return needed;
+}
+
+[[noreturn]] void refuse_without_shapes(const ResultStore& store) {
+    throw std::invalid_argument(store.file().string() +
+                                ": the study has no shapes yet; take them in with: morphodesic ingest FOLDER");
 }
 
 }  // namespace
@@ -209,7 +207,7 @@ std::string size_warning(const std::vector<SizedName>& sizes) {
            "is, all are placed at one scale and the distances are mostly those of the sizes.";
 }
 
-Collection prepare_collection(const fs::path& folder, const RunSettings& settings, ResultStore& store,
+Collection prepare_collection(const fs::path& folder, const RunSettings& settings, const ResultStore& store,
                               Progress& progress) {
     datasets::ScanResult scan = datasets::scan_folder(folder, {settings.labels});
     Collection collection;
@@ -238,14 +236,11 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import, kept_bytes); });
     });
     if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
-    std::string warning;
     if (settings.normalize == "common") {
-        collection.placement.scale = settle_scale(collection, store, collection.remarks);
-        warning = size_warning_of(collection);
-        if (!warning.empty()) collection.remarks.push_back(warning);
+        collection.placement.scale = scale_of(collection, store, collection.remarks);
+        collection.size_warning = size_warning_of(collection);
+        if (!collection.size_warning.empty()) collection.remarks.push_back(collection.size_warning);
     }
-    store.set_fact("size_warning", warning);
-    std::vector<std::string> gone;
     std::set<std::string> names;
     for (CollectionEntry& entry : collection.entries) {
         names.insert(entry.row.name);
@@ -258,17 +253,27 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         entry.row.placing = placing;
     }
     for (const auto& [name, shape] : known) {
-        if (!names.contains(name)) gone.push_back(name);
+        if (!names.contains(name)) collection.gone.push_back(name);
     }
-    if (!gone.empty()) {
-        store.remove_shapes(gone);
+    if (const auto& gone = collection.gone; !gone.empty()) {
         collection.remarks.push_back(std::to_string(gone.size()) +
                                      " files of the last run are no longer in the folder (" + gone.front() +
                                      (gone.size() > 1 ? ", ..." : "") + "); their results stay in the store.");
     }
+    return collection;
+}
+
+void settle_collection(const fs::path& folder, const Collection& collection, ResultStore& store) {
+    if (collection.placement.mode == "common" && collection.placement.scale > 0) {
+        const std::string scale = exact(collection.placement.scale);
+        for (const std::string& fact : {std::string("common_scale"), scale_key_of(collection.import)}) {
+            if (store.fact(fact) != scale) store.set_fact(fact, scale);
+        }
+    }
+    store.set_fact("size_warning", collection.size_warning);
+    if (!collection.gone.empty()) store.remove_shapes(collection.gone);
     store.set_fact("dimension", std::to_string(collection.dimension));
     store.set_fact("folder", fs::absolute(folder).lexically_normal().string());
-    return collection;
 }
 
 void begin_reading(ResultStore& store, std::size_t files) {
@@ -295,10 +300,16 @@ Collection stored_collection(const ResultStore& store) {
     if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
         throw std::invalid_argument(unfinished);
     }
-    if (collection.entries.empty()) {
-        throw StoreError(store.file(), "the study has no shapes yet; take them in with: morphodesic ingest FOLDER");
-    }
+    if (collection.entries.empty()) refuse_without_shapes(store);
     return collection;
+}
+
+RunSettings settings_of_study(const ResultStore& store) {
+    if (const auto text = store.fact("settings")) return settings_from_text(*text);
+    if (store.shapes().empty()) refuse_without_shapes(store);
+    throw StoreError(
+        store.file(),
+        "the settings of the study are lost; give the command that made it again (morphodesic run FOLDER)");
 }
 
 void round_as_stored(std::vector<double>& values) {

@@ -32,6 +32,8 @@ struct Collection {
     datasets::NormalizeOptions placement;
     std::vector<std::string> remarks;   ///< what a user should know, one sentence each
     std::vector<std::string> left_out;  ///< problems of the scan: folders, links, files of the other dimension
+    std::vector<std::string> gone;      ///< names of files of the last run that are no longer in the folder
+    std::string size_warning;           ///< see size_warning
 };
 
 /// A shape's name and its size in file units.
@@ -43,15 +45,23 @@ struct SizedName {
 /// A sentence with advice if sizes that are to be placed at one scale differ by more than a factor of five; else empty.
 [[nodiscard]] std::string size_warning(const std::vector<SizedName>& sizes);
 
-/// Scans the folder, finds out which files are new or changed and measures them, and settles the common scale. The
-/// scale is frozen in the store: more files leave it as it is, unless one of them does not fit.
+/// Scans the folder, finds out which files are new or changed and measures them, and finds the common scale. The scale
+/// is frozen in the store: more files leave it as it is, unless one of them does not fit. The store is only read:
+/// settle_collection writes down what was found.
 /// @throws datasets::ReadError if the folder cannot be read, StoreError, std::invalid_argument for broken settings
 [[nodiscard]] Collection prepare_collection(const std::filesystem::path& folder, const RunSettings& settings,
-                                            ResultStore& store, Progress& progress);
+                                            const ResultStore& store, Progress& progress);
+
+/// Makes a collection that of the study: its folder, dimension and scale; files that are gone leave the store.
+void settle_collection(const std::filesystem::path& folder, const Collection& collection, ResultStore& store);
 
 /// The collection as the store has it, without its files.
-/// @throws StoreError if nothing was ingested, std::invalid_argument if reading the files was not finished
+/// @throws std::invalid_argument if nothing was ingested or reading the files was not finished, StoreError
 [[nodiscard]] Collection stored_collection(const ResultStore& store);
+
+/// The settings that a study was made with.
+/// @throws std::invalid_argument if nothing was ingested, StoreError if they are lost
+[[nodiscard]] RunSettings settings_of_study(const ResultStore& store);
 
 /// Notes in the store that the files of a collection are being read, or that all have been.
 void begin_reading(ResultStore& store, std::size_t files);

@@ -31,31 +31,43 @@ public:
 
     /// Returns the missing geodesics with the last shape, before that nothing.
     std::vector<GeodesicKey> arrive(const ImportedShape<Dim>& shape) {
-        if (shape.fresh) {
-            if (shape.level_set) {
+        if (shape.level_set) {
+            begin();
+            if (shape.fresh) {
                 const ScalarField<Dim> no_mask;
                 store_.put_level_set<Dim>(shape.row.content_digest, *shape.level_set,
                                           shape.mask ? *shape.mask : no_mask);
             }
-        }
-        // A damaged row stays as it is until its file is read again: sealed anew it would pass for sound.
-        if (!shape.row.damaged) store_.put_shape(shape.row);
-        if (shape.level_set) {
             ++summary_.shapes;
             // Files with equal content are one shape.
             shapes_.emplace(shape.row.content_digest, shape.mask != nullptr);
             cache_.keep(shape);
         } else {
             ++summary_.shapes_failed;
+            summary_.unusable.push_back(shape.row);
             progress_.message("left out: " + shape.row.problem);
         }
+        if (begun_) put(shape.row);
         return --waiting_ == 0 ? missing() : std::vector<GeodesicKey>();
     }
 
     [[nodiscard]] ImportedShape<Dim> shape(const std::string& digest) { return cache_.get(digest); }
 
 private:
+    void begin() {
+        if (begun_) return;
+        begun_ = true;
+        if (options_.begin) options_.begin();
+        for (const StoredShape& row : summary_.unusable) put(row);
+    }
+
+    /// A damaged row stays as it is until its file is read again: sealed anew it would pass for sound.
+    void put(const StoredShape& row) {
+        if (!row.damaged) store_.put_shape(row);
+    }
+
     std::vector<GeodesicKey> missing() {
+        if (!begun_) return {};
         end_reading(store_);
         store_.remove_unused_level_sets();
         if (!options_.solve) return {};
@@ -82,6 +94,7 @@ private:
     Progress& progress_;
     PairGraphSummary& summary_;
     std::size_t waiting_;
+    bool begun_ = false;                  // the store may be changed
     std::map<std::string, bool> shapes_;  // by digest: has an occlusion mask
     ShapeCache<Dim> cache_;
 };

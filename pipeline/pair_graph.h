@@ -25,6 +25,8 @@ struct PairGraphOptions {
     int pairs_in_flight = 1;                         ///< >= 1: pairs in memory at once
     std::size_t shape_bytes = std::size_t{1} << 30;  ///< shapes beyond this are read from the store when needed
     std::function<bool()> stop;                      ///< true: drop the pairs in flight and end; may be empty
+    /// Called before the store is changed, which is when the first usable shape is there; may be empty.
+    std::function<void()> begin;
 };
 
 struct PairGraphSummary {
@@ -35,7 +37,7 @@ struct PairGraphSummary {
     long pairs_solved = 0;   ///< computed now
     long pairs_failed = 0;   ///< of these: without a trustworthy distance
     bool stopped = false;
-    std::vector<std::string> remarks;
+    std::vector<StoredShape> unusable;  ///< the files with a problem
 };
 
 /// From files to rows in one flow graph:
@@ -43,6 +45,7 @@ struct PairGraphSummary {
 ///     input -> import -> schedule (serial: stores shapes, emits pairs that are not stored)
 ///       -> queue -> limiter (pairs in memory) -> solve -> record (serial) -> decrements the limiter
 ///
+/// Where no shape can be used nothing is stored: what the study had before is worth more than a list of problems.
 /// A pair that fails is a row with the reason. A store that fails ends the run with StoreError; what is in it stays.
 template <int Dim>
 PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store, const PairGraphOptions& options,

@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "pipeline/database.h"
 #include "pipeline/digest.h"
@@ -312,10 +313,13 @@ struct ResultStore::Impl {
     std::mutex mutex;  // one writer at a time inside the process
 };
 
+void expect_store(const fs::path& file) {
+    if (fs::exists(file)) return;
+    throw std::invalid_argument(file.string() + ": there is no study here; make one with: morphodesic run FOLDER");
+}
+
 ResultStore::ResultStore(fs::path file, Access access) {
-    if (access == Access::read && !fs::exists(file)) {
-        throw StoreError(file, "there is no study here; make one with: morphodesic run FOLDER");
-    }
+    if (access == Access::read) expect_store(file);
     impl_ = std::make_unique<Impl>(std::move(file), access);
     impl_->open(access);
 }

@@ -60,6 +60,10 @@ template <int Dim>
 [[nodiscard]] std::string line_of(const StoredGeodesic& geodesic);
 [[nodiscard]] std::optional<StoredGeodesic> geodesic_from_line(const std::string& line);
 
+/// Before a study is locked or read: a store that is not there is a wrong name, not a damaged study.
+/// @throws std::invalid_argument if there is no such file
+void expect_store(const std::filesystem::path& file);
+
 /// The single truth of a study: one SQLite file. Every write is one transaction, so whatever happens to the process, a
 /// row is there completely or not at all. All methods throw StoreError; all may be called from several threads.
 class ResultStore {
@@ -67,7 +71,8 @@ public:
     enum class Access { read, write };
 
     /// Opens the store; with Access::write it is made if it is not there.
-    /// @throws StoreError also for a file of another schema version and for a damaged file
+    /// @throws StoreError also for a file of another schema version and for a damaged file, std::invalid_argument as
+    /// expect_store
     ResultStore(std::filesystem::path file, Access access);
     ~ResultStore();
     ResultStore(const ResultStore&) = delete;

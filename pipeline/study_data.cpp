@@ -12,9 +12,7 @@ namespace morphodesic::pipeline {
 
 StudyData load_study(const ResultStore& store) {
     StudyData data;
-    const auto text = store.fact("settings");
-    if (!text) throw StoreError(store.file(), "the study has no settings yet; make it with: morphodesic run FOLDER");
-    data.settings = settings_from_text(*text);
+    data.settings = settings_of_study(store);
     data.settings_hash = settings_hash(data.settings.geodesic);
     data.dimension = store.fact("dimension") == "3" ? 3 : 2;
     data.unfinished = unfinished_reading(store);

@@ -38,7 +38,7 @@ struct StudyData {
     std::string coarse_note;              ///< says so, if there are any
     std::vector<bool> first_is_a;         ///< condensed: the path of `pairs` runs from the first to the second name
     std::vector<StudyFailure> failures;
-    std::string unfinished;  ///< a sentence if reading the files was stopped before the end; else empty
+    std::string unfinished;            ///< a sentence if reading the files was stopped before the end; else empty
     long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
     std::vector<std::string> remarks;  ///< e.g. damaged rows
     bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
@@ -59,7 +59,7 @@ private:
     }
 };
 
-/// @throws StoreError if the study has no settings or no shapes yet
+/// @throws std::invalid_argument if nothing was ingested, StoreError
 [[nodiscard]] StudyData load_study(const ResultStore& store);
 
 }  // namespace morphodesic::pipeline

@@ -81,6 +81,17 @@ void check_sources(const StudyOptions& options) {
     }
 }
 
+/// Tables of nothing must not take the place of those that the study had.
+void refuse_without_usable_shapes(const StudyData& data, const StudyFolder& folder) {
+    if (!data.shapes.empty()) return;
+    const std::string first = data.failures.empty() ? "" : " (" + data.failures.front().reason + ")",
+                      remedy = "; read the files again with: morphodesic run FOLDER --out " + folder.path().string();
+    const bool damaged =
+        std::any_of(data.unusable.begin(), data.unusable.end(), [](const auto& s) { return s.damaged; });
+    if (damaged) throw StoreError(folder.path(), "the shapes of the study are damaged" + first + remedy);
+    throw std::invalid_argument(folder.path().string() + ": the study has no shape that can be used" + first + remedy);
+}
+
 /// What is analysed, a study or a table of distances, and where the results go.
 struct Subject {
     explicit Subject(const StudyOptions& options) : folder(folder_of(options)) {
@@ -89,9 +100,10 @@ struct Subject {
             folder.create();
             lock.emplace(folder);
         } else {
-            if (!std::filesystem::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+            expect_store(folder.store());
             lock.emplace(folder);
             data = load_study(ResultStore(folder.store(), ResultStore::Access::read));
+            refuse_without_usable_shapes(data, folder);
         }
         if (!options.labels.empty()) label_shapes(data, options.labels);
     }
@@ -148,10 +160,11 @@ int report(const StudyOptions& options) {
         });
     }
     const StudyFolder folder(options.study);
-    if (!std::filesystem::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+    expect_store(folder.store());
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
     StudyData data = load_study(store);
+    refuse_without_usable_shapes(data, folder);
     if (!options.labels.empty()) label_shapes(data, options.labels);
     Summary summary = summary_of(data, folder);
     Progress progress(Progress::style_of_stderr(options.common.quiet));

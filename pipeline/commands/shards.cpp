@@ -181,16 +181,13 @@ long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, Sha
 
 int plan(const ShardOptions& options) {
     const StudyFolder folder(fs::absolute(options.study).lexically_normal());
-    if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+    expect_store(folder.store());
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
     if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
         throw std::invalid_argument(unfinished);
     }
-    const auto text = store.fact("settings");
-    if (!text)
-        throw StoreError(store.file(), "the study has no settings yet; take its shapes in with: morphodesic ingest");
-    const RunSettings settings = settings_from_text(*text);
+    const RunSettings settings = settings_of_study(store);
     const StudyRounds rounds = rounds_of(store, settings);
     const GeodesicOptions& geodesic = rounds.screened() ? rounds.levels[rounds.screening.level] : settings.geodesic;
     store.put_settings(settings_hash(geodesic), canonical_text(geodesic));
@@ -295,7 +292,7 @@ int shard(const ShardOptions& options) {
 
 int merge(const ShardOptions& options) {
     const StudyFolder folder(options.study);
-    if (!fs::exists(folder.store())) ResultStore(folder.store(), ResultStore::Access::read);
+    expect_store(folder.store());
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
     std::vector<fs::path> files = options.files;

@@ -36,8 +36,8 @@ struct Workplace {
           limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {
         if (may_create)
             folder.create();
-        else if (!fs::exists(folder.store()))
-            ResultStore(folder.store(), ResultStore::Access::read);
+        else
+            expect_store(folder.store());
         lock = std::make_unique<StudyLock>(folder);
         store = std::make_unique<ResultStore>(folder.store(), ResultStore::Access::write);
     }
@@ -75,7 +75,8 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     const auto levels = screening_levels(settings.geodesic, settings.pairs.neighbors);
     graph.geodesic = levels.front();
     PairGraphSummary sum = run_pair_graph<Dim>(collection, *at.store, graph, at.progress);
-    while (!sum.stopped && levels.size() > 1 && graph.solve) {
+    graph.begin = nullptr;
+    while (!sum.stopped && sum.shapes > 0 && levels.size() > 1 && graph.solve) {
         const StudyRounds rounds = rounds_of(*at.store, settings);
         if (rounds.screening.missing.empty()) break;
         graph.geodesic = levels[rounds.screening.level];
@@ -98,9 +99,10 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     return sum;
 }
 
-/// @param memory  empty: no pairs are solved
+/// @param memory      empty: no pairs are solved
+/// @param from_files  the collection is that of the folder, not of the store
 PairGraphSummary compute(Workplace& at, const Collection& collection, const StudyOptions& options,
-                         const std::optional<MemoryPlan>& memory) {
+                         const std::optional<MemoryPlan>& memory, bool from_files) {
     PairGraphOptions graph;
     const bool solve = memory.has_value();
     graph.solve = solve;
@@ -114,11 +116,15 @@ PairGraphSummary compute(Workplace& at, const Collection& collection, const Stud
         graph.shape_bytes = memory->shapes;
     }
     graph.stop = [] { return StopSignals::caught() != 0; };
-    if (solve && options.retry_failed) {
+    graph.begin = [&] {
+        if (from_files) settle_collection(options.collection, collection, *at.store);
+        settle_settings(at, options.settings);
+        if (from_files) begin_reading(*at.store, collection.entries.size());
+        if (!solve || !options.retry_failed) return;
         for (const GeodesicOptions& level : screening_levels(geodesic, options.settings.pairs.neighbors)) {
             at.store->remove_failures(settings_hash(level));
         }
-    }
+    };
     return with_dimension(collection.dimension,
                           [&]<int Dim>() { return compute_rounds<Dim>(at, collection, options.settings, graph); });
 }
@@ -139,6 +145,20 @@ int stopped(const StudyOptions& options, const PairGraphSummary& done) {
     std::cerr << ". To go on, give the same command again" << (options.command.empty() ? "" : ": " + options.command)
               << "\n";
     return 128 + StopSignals::caught();
+}
+
+/// The end of a run of which no file could be used; the study is as it was before.
+int refused(const StudyOptions& options, const Collection& collection, const PairGraphSummary& done, double seconds) {
+    Summary summary;
+    summary.exit_code = bad_usage;
+    summary.data = {
+        {"study", options.study.string()}, {"shapes", 0}, {"shapes_failed", done.shapes_failed}, {"seconds", seconds}};
+    summary.lines.emplace_back("No file could be used.");
+    std::vector<StudyFailure> failures;
+    for (const std::string& problem : collection.left_out) failures.push_back({"", "", problem});
+    for (const StoredShape& shape : done.unusable) failures.push_back({shape.name, "", shape.problem});
+    summary.add_failures(failures);
+    return summary.print(options.common);
 }
 
 /// The pictures of a study must not be read as the shapes of one.
@@ -205,20 +225,18 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                              shape_level(collection.dimension, geodesic), geodesic.time_steps,
                              collection.entries.size(), at.threads);
     }
-    settle_settings(at, options.settings);
-    if (from_files) begin_reading(*at.store, collection.entries.size());
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
-    const PairGraphSummary done = compute(at, collection, options, memory);
+    const PairGraphSummary done = compute(at, collection, options, memory, from_files);
     if (done.stopped) return stopped(options, done);
+    const double seconds = now() - begin;
+    if (done.shapes == 0) return refused(options, collection, done, seconds);
     if (!options.command.empty() && with_report) at.store->set_fact("command", options.command);
-    const double seconds = add_seconds(*at.store, now() - begin);
-
     Summary summary;
     summary.data = {{"study", at.folder.path().string()},
                     {"shapes", done.shapes},
                     {"shapes_failed", done.shapes_failed},
-                    {"seconds", now() - begin},
-                    {"seconds_of_all_runs", seconds}};
+                    {"seconds", seconds},
+                    {"seconds_of_all_runs", add_seconds(*at.store, seconds)}};
     if (solve) {
         summary.data["pairs"] = done.pairs_total;
         summary.data["pairs_from_store"] = done.pairs_stored;
@@ -246,12 +264,9 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                 std::to_string(done.pairs_stored) + " from the store, " + std::to_string(done.pairs_solved) +
                 " computed)";
     }
-    summary.lines.push_back(head + " in " + duration_text(now() - begin));
+    summary.lines.push_back(head + " in " + duration_text(seconds));
     if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
-    if (done.shapes == 0) {
-        summary.exit_code = bad_usage;
-        summary.lines.push_back("No file could be used.");
-    } else if (with_report) {
+    if (with_report) {
         export_report(data, *at.store, at.folder, options, at.progress, summary);
     } else {
         summary.lines.push_back("Study: " + at.folder.path().string());

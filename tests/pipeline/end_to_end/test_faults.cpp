@@ -185,6 +185,41 @@ TEST_F(DisturbedStore, ARefusedCommandLeavesTheStudyAsItWas) {
     EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
 }
 
+TEST_F(DisturbedStore, ARunThatFindsNoUsableFileLeavesTheStudyAsItWas) {
+    const std::string study = (folder_ / "disks.study").string(), disks = (folder_ / "disks").string();
+    const auto expect_refused = [&](const std::vector<std::string>& options, const char* words) {
+        std::vector<std::string> command{"run", disks};
+        command.insert(command.end(), options.begin(), options.end());
+        const Outcome refused = morphodesic(quick(command));
+        EXPECT_EQ(refused.code, 2);
+        EXPECT_THAT(refused.out + refused.err, HasSubstr(words));
+        const Outcome analysed = morphodesic({"analyze", study, "--quiet"});
+        EXPECT_EQ(analysed.code, 0) << analysed.err;
+        EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+    };
+    fs::rename(disks, folder_ / "aside");  // such as a disk that is not mounted
+    fs::create_directories(disks);
+    expect_refused({}, "no shapes found");
+    write_file(folder_ / "disks/new.png", "no picture");
+    expect_refused({}, "No file could be used");
+    // Where sizes do not matter files are read only when they are taken in.
+    expect_refused({"--normalize", "each", "--lambda", "1", "--json"}, "\"shapes_failed\": 1");
+    fs::remove_all(disks);
+    fs::rename(folder_ / "aside", disks);
+    EXPECT_EQ(json::parse(morphodesic(command_).out)["pairs_computed"], 0);
+}
+
+TEST_F(DisturbedStore, AStudyWithoutUsableShapesIsRefusedAndKeepsItsTables) {
+    const std::string study = (folder_ / "disks.study").string();
+    execute(store_, "DELETE FROM shapes");
+    for (const char* command : {"report", "analyze"}) {
+        const Outcome done = morphodesic({command, study});
+        EXPECT_EQ(done.code, 2) << command;
+        EXPECT_THAT(done.err, HasSubstr("no shape that can be used")) << command;
+        EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+    }
+}
+
 TEST_F(DisturbedStore, ShapesOfAnotherLevelAreNotComparedUnderItsName) {
     const std::string study = (folder_ / "disks.study").string();
     const Outcome refused = morphodesic({"geodesics", study, "--level", "8"});
@@ -275,9 +310,52 @@ TEST(Usage, EveryMistakeHasItsExitCode) {
     const Outcome level = morphodesic({"run", folder.path().string(), "--level", "99"});
     EXPECT_EQ(level.code, 2);
     EXPECT_THAT(level.err, HasSubstr("level must be between"));
-    EXPECT_EQ(morphodesic({"report", (folder / "nothing").string()}).code, 3);
     EXPECT_EQ(morphodesic({"--help"}).code, 0);
     EXPECT_THAT(morphodesic({"--version"}).out, HasSubstr("morphodesic "));
+}
+
+TEST(Usage, AStudyThatDoesNotExistIsAWrongName) {
+    const TemporaryFolder folder;
+    const std::string nothing = (folder / "nothing").string();
+    make_disks(folder / "disks", 2);
+    std::vector<std::vector<std::string>> commands{{"plan", nothing, "--shards", "2"},
+                                                   {"classify", "--templates", nothing, "--leave-one-out"}};
+    for (const char* command : {"report", "analyze", "verify", "geodesics", "merge"}) {
+        commands.push_back({command, nothing});
+    }
+    for (const auto& command : commands) {
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 2) << command.front();
+        EXPECT_THAT(done.err, HasSubstr("nothing")) << command.front();
+        EXPECT_FALSE(fs::exists(nothing)) << command.front();
+    }
+    // A study that was begun, with no shapes in it.
+    write_file(folder / "empty/readme.txt", "");
+    ASSERT_EQ(morphodesic({"run", (folder / "empty").string()}).code, 2);
+    for (auto command : commands) {
+        if (command.front() == "classify") continue;
+        command[1] = (folder / "empty.study").string();
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 2) << command.front() << done.err;
+    }
+}
+
+TEST(Usage, AWrongChoiceOfPathsIsRefusedBeforeAnyWork) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    const std::string disks = (folder / "disks").string();
+    write_file(folder / "table.csv", ",a,b\na,0,1\nb,1,0\n");
+    for (const char* paths : {"foo", "-3", "2.5"}) {
+        const std::string choice = std::string("--paths=") + paths;
+        for (const auto& command : std::vector<std::vector<std::string>>{
+                 quick({"run", disks, choice}), {"report", (folder / "table.csv").string(), choice}}) {
+            const Outcome done = morphodesic(command);
+            EXPECT_EQ(done.code, 2) << choice;
+            EXPECT_THAT(done.err, HasSubstr("--paths")) << choice;
+        }
+    }
+    EXPECT_FALSE(fs::exists(folder / "disks.study"));
+    EXPECT_FALSE(fs::exists(folder / "table.analysis"));
 }
 
 TEST(Usage, NumbersMustBeFinite) {
