@@ -226,12 +226,11 @@ Clustering cut_by_height(const Dendrogram& tree, double height) {
 
 SilhouetteCut cut_by_silhouette(const Dendrogram& tree, const DistanceMatrix& distances, std::size_t max_clusters) {
     SilhouetteCut result;
-    if (tree.leaf_count < 3 || max_clusters < 2) {
-        result.clusters.assign(tree.leaf_count, 0);
-        return result;
-    }
-    double best = -infinity;
+    result.clusters.assign(tree.leaf_count, 0);
+    if (tree.leaf_count < 3) return result;
+    double best = 0.0;  // that of a single cluster
     for (std::size_t count = 2; count <= std::min(max_clusters, tree.leaf_count - 1); ++count) {
+        if (!(tree.merges[tree.leaf_count - count].height > 0.0)) break;  // it would part items at distance 0
         Clustering clusters = cut_by_count(tree, count);
         const double width = mean(silhouette_widths(distances, clusters));
         result.mean_silhouette.push_back(width);

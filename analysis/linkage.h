@@ -60,7 +60,9 @@ using Clustering = std::vector<std::size_t>;
 /// Mean silhouette width for each number of clusters, and the best cut.
 struct SilhouetteCut {
     std::vector<double> mean_silhouette;  ///< entry c is that of c + 2 clusters
-    Clustering clusters;                  ///< the cut with the largest mean; of equal ones the one with fewer clusters
+    /// The cut with the largest mean, of equal ones the one with fewer clusters; everything is one cluster where no
+    /// mean is above 0. Items at distance 0 stay together.
+    Clustering clusters;
 };
 /// @param max_clusters largest number tried, limited to n - 1; with n < 3 everything is one cluster
 [[nodiscard]] SilhouetteCut cut_by_silhouette(const Dendrogram& tree, const DistanceMatrix& distances,

@@ -233,8 +233,8 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
         const Dendrogram& tree = r.trees.front().tree;
         SilhouetteCut best = cut_by_silhouette(tree, r.distances, static_cast<std::size_t>(options.max_clusters));
         r.silhouette_by_count = std::move(best.mean_silhouette);
-        std::string cut = "best silhouette";
         Clustering clusters = std::move(best.clusters);
+        std::string cut = cluster_count(clusters) > 1 ? "best silhouette" : "no cut has a silhouette above 0";
         if (options.clusters > 0) {
             const std::size_t count = std::min(n, static_cast<std::size_t>(options.clusters));
             clusters = cut_by_count(tree, count);

@@ -169,6 +169,24 @@ TEST(Linkage, BestSilhouetteFindsThePlantedGroups) {
     for (std::size_t i = 0; i < 60; ++i) EXPECT_EQ(cut.clusters[i], i % 4);
 }
 
+TEST(Linkage, ASilhouetteMustBeAboveZeroToPartItems) {
+    DistanceMatrix same(tests::numbered_labels(4)), equidistant(tests::numbered_labels(4)),
+        twins(tests::numbered_labels(6));
+    for (std::size_t i = 0; i < 6; ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            if (i < 4) same.set(i, j, 0.0), equidistant.set(i, j, 1.0);
+            twins.set(i, j, i / 3 == j / 3 ? 0.0 : 2.0);
+        }
+    }
+    for (const LinkageMethod method : all_methods) {
+        EXPECT_EQ(cut_by_silhouette(linkage(same, method), same, 10).clusters, (Clustering{0, 0, 0, 0}));
+        EXPECT_EQ(cut_by_silhouette(linkage(equidistant, method), equidistant, 10).clusters, (Clustering{0, 0, 0, 0}));
+        const SilhouetteCut cut = cut_by_silhouette(linkage(twins, method), twins, 10);
+        EXPECT_EQ(cut.clusters, (Clustering{0, 0, 0, 1, 1, 1}));
+        EXPECT_EQ(cut.mean_silhouette.size(), 1u);  // three clusters would part items at distance 0
+    }
+}
+
 TEST(Linkage, TinyInputs) {
     EXPECT_TRUE(linkage(DistanceMatrix(), LinkageMethod::average).merges.empty());
     EXPECT_TRUE(linkage(DistanceMatrix({"a"}), LinkageMethod::average).merges.empty());
