@@ -14,6 +14,7 @@
 
 #include "datasets/gif_reader.h"
 #include "datasets/image_header.h"
+#include "datasets/muted_errors.h"
 #include "datasets/read_error.h"
 
 namespace morphodesic::datasets {
@@ -235,6 +236,7 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
         const int mode =
             header.format == ImageFormat::jpeg ? cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH : cv::IMREAD_UNCHANGED;
         const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+        const MutedErrors muted;  // it prints its exceptions, without the name of the file
         decoded = cv::imdecode(buffer, mode);
     } catch (const cv::Exception&) {
         decoded.release();

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <iostream>
+
 #include "datasets/image_header.h"
 #include "datasets/read_error.h"
 #include "tests/datasets/test_pictures.h"
@@ -69,6 +72,21 @@ TEST(ImageDamage, TextPnmNeedsNoLastLineEndAndDamageInItIsNotPrinted) {
     EXPECT_THAT(complaint(folder.write("word 2.pgm", "P2\n5 5\n255\nx" + rows + "255\n")), HasSubstr("damaged"));
     EXPECT_THAT(complaint(folder.write("large.pgm", "P2\n5 5\n255\n99999999999 " + rows)), HasSubstr("damaged"));
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(ImageDamage, WhatTheDecoderDoesNotKnowIsSaidOnceAndWithTheName) {
+    // A TIFF of 16 x 16 floats of 16 bits: OpenCV prints what it throws of it, without a name.
+    const std::vector<std::array<std::uint32_t, 2>> tags{{256, 16}, {257, 16}, {258, 16}, {259, 1},   {262, 1},
+                                                         {273, 8},  {277, 1},  {278, 16}, {279, 512}, {339, 3}};
+    const auto le16 = [](std::uint32_t v) { return le32(v).substr(0, 2); };
+    std::string tiff = "II*\0"s + le32(8 + 512) + std::string(512, '\0') + le16(std::uint32_t(tags.size()));
+    for (const auto& tag : tags) tiff += le16(tag[0]) + le16(4) + le32(1) + le32(tag[1]);
+    tiff += le32(0);
+    const tests::TemporaryFolder folder;
+    testing::internal::CaptureStderr();
+    EXPECT_THAT(complaint(folder.write("half.tiff", tiff)), HasSubstr("of an unusual kind"));
+    std::cerr << "heard";  // only what the decoder says is dropped
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "heard");
 }
 
 TEST(ImageDamage, AChangedBitInAPngIsNoticed) {
