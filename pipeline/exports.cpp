@@ -110,7 +110,7 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
     std::ostringstream distances;
     analysis::write_distance_csv(distances, data.distances);
     folder.write("distances.csv", distances.str());
-    if (data.levels.size() > 1) {
+    if (data.settings.pairs.neighbors > 0) {
         analysis::DistanceMatrix refined = data.distances;
         for (std::size_t i = 0; i < refined.size(); ++i) {
             for (std::size_t j = i + 1; j < refined.size(); ++j) {
@@ -144,6 +144,10 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
 }
 
 void summarise(const reports::ReportModel& model, Summary& summary) {
+    for (const reports::Failure& failure : model.failures) {
+        if (failure.cut_off) summary.cut_off.push_back({failure.a, "", failure.a + ": " + failure.reason, true});
+    }
+    summary.data["shapes_left_out"] = summary.cut_off.size();
     if (!model.clusterings.empty() && !model.clusterings.front().medoids.empty()) {
         summary.data["clusters"] = model.clusterings.front().medoids.size();
     }

@@ -30,7 +30,8 @@ void write_report(const reports::ReportModel& model, const StudyFolder& folder, 
 void add_findings(const StudyData& data, const StudyOptions& options, const StudyFolder& folder,
                   AnalysedStudy& analysed, Summary& summary);
 
-/// Says in the summary how well the distances know the classes, and how many clusters there are.
+/// Says in the summary how well the distances know the classes, how many clusters there are, and which shapes are cut
+/// off from the others.
 void summarise(const reports::ReportModel& model, Summary& summary);
 
 }  // namespace morphodesic::pipeline

@@ -105,7 +105,7 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
                       {"store version", std::to_string(store_version), ""}};
     model.command = store.fact("command").value_or("");
     model.links = links(model);
-    if (data.levels.size() > 1) {
+    if (data.settings.pairs.neighbors > 0) {
         model.links.push_back({"distances_refined.csv", "distances_refined.csv",
                                "distances.csv without the estimates from coarse grids (empty cells)"});
     }

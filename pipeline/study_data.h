@@ -15,6 +15,7 @@ namespace morphodesic::pipeline {
 struct StudyFailure {
     std::string a, b;  ///< b is empty for a file
     std::string reason;
+    bool cut_off = false;  ///< nothing is wrong with the file, but no chain of distances joins it to the others
 };
 
 /// The rows of a store that belong to one set of settings, by the names of the files.

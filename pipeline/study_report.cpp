@@ -111,7 +111,8 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
         model.failures.push_back({failure.a, failure.b, failure.reason});
     }
     for (const std::size_t i : all.left_out) {
-        model.failures.push_back({data.shapes[i].name, "", "no chain of trustworthy distances joins it to the others"});
+        model.failures.push_back(
+            {data.shapes[i].name, "", "no chain of trustworthy distances joins it to the others", true});
     }
     for (std::size_t i = 0; i < all.kept.size(); ++i) {
         for (std::size_t j = i + 1; j < all.kept.size(); ++j) {

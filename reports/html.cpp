@@ -94,17 +94,23 @@ Json page_json(const ReportModel& model) {
 
 std::string headline(const ReportModel& m) {
     std::string text = std::to_string(m.shapes.size()) + (m.dimension == 3 ? " surfaces" : " shapes") +
-                       (m.given_matrix ? " with " : " compared by ") + std::to_string(m.pairs_done) +
-                       (m.given_matrix ? " given distances" : " geodesics");
-    if (m.pairs_done < m.pairs_total) text += " (of " + std::to_string(m.pairs_total) + " pairs)";
-    const auto failed_shapes =
-        std::count_if(m.failures.begin(), m.failures.end(), [](const auto& f) { return f.b.empty(); });
-    const auto failed_pairs = static_cast<std::ptrdiff_t>(m.failures.size()) - failed_shapes;
+                       (m.given_matrix ? " with " : " compared in ") + std::to_string(m.pairs_done) +
+                       (m.given_matrix      ? " given distances"
+                        : m.pairs_done == 1 ? " pair"
+                                            : " pairs");
+    if (m.pairs_done < m.pairs_total)
+        text += " (of " + std::to_string(m.pairs_total) + (m.given_matrix ? " pairs)" : ")");
+    std::ptrdiff_t files = 0, pairs = 0, cut_off = 0;
+    for (const Failure& failure : m.failures) ++(failure.cut_off ? cut_off : failure.b.empty() ? files : pairs);
     if (m.failures.empty()) return text + (m.given_matrix ? "." : "; nothing failed.");
-    text += "; failed: ";
-    if (failed_shapes > 0) text += std::to_string(failed_shapes) + (failed_shapes == 1 ? " file" : " files");
-    if (failed_shapes > 0 && failed_pairs > 0) text += " and ";
-    if (failed_pairs > 0) text += std::to_string(failed_pairs) + (failed_pairs == 1 ? " pair" : " pairs");
+    const auto counted = [](std::ptrdiff_t number, const std::string& what) {
+        return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+    };
+    if (files + pairs > 0) text += "; failed: ";
+    if (files > 0) text += counted(files, "file");
+    if (files > 0 && pairs > 0) text += " and ";
+    if (pairs > 0) text += counted(pairs, "pair");
+    if (cut_off > 0) text += "; cut off from the others: " + counted(cut_off, "shape");
     return text + ".";
 }
 

@@ -39,6 +39,8 @@ struct Failure {
     std::string a;       ///< file name of the (first) shape
     std::string b;       ///< second shape of a pair; empty: the shape itself failed
     std::string reason;  ///< what is wrong and what to do, one sentence
+    /// Nothing is wrong with the shape, but no chain of trustworthy distances joins it to the others.
+    bool cut_off = false;
 };
 
 /// One row of SciPy's linkage matrix: clusters first < second join at the height; the new cluster gets number n + row.

@@ -31,6 +31,7 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
                     {"pairs", pairs},
                     {"pairs_missing", data.pairs_missing}};
     summary.lines.push_back(std::to_string(data.shapes.size()) + " shapes, " + std::to_string(pairs) + " pairs");
+    for (const std::string& remark : data.remarks) summary.add_remark(remark);
     if (data.given && data.pairs_missing > 0) {
         summary.lines.push_back(std::to_string(data.pairs_missing) +
                                 (data.pairs_missing == 1 ? " pair has no distance" : " pairs have no distance"));
@@ -157,6 +158,7 @@ int report(const StudyOptions& options) {
     if (is_table(options)) {
         return analyse_and(options, [](const Subject& subject, const reports::ReportModel& model, Summary& summary) {
             write_report(model, subject.folder, summary);
+            summary.add_failures(subject.data.failures);
         });
     }
     const StudyFolder folder(options.study);

@@ -390,8 +390,7 @@ int merge(const ShardOptions& options) {
     for (const std::string& damage : damaged) {
         if (complete) {
             const std::string remark = damage + "; all pairs are there all the same";
-            summary.data["remarks"].push_back(remark);
-            summary.lines.push_back(remark);
+            summary.add_remark(remark);
         } else {
             problems.push_back({"", "", damage + "; run the shard again, it computes only what is missing"});
         }

@@ -238,15 +238,14 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                     {"seconds", seconds},
                     {"seconds_of_all_runs", add_seconds(*at.store, seconds)}};
     if (solve) {
-        summary.data["pairs"] = done.pairs_total;
+        summary.data["geodesics"] = done.pairs_total;
         summary.data["pairs_from_store"] = done.pairs_stored;
         summary.data["pairs_computed"] = done.pairs_solved;
         summary.data["pairs_failed"] = done.pairs_failed;
     }
     const StudyData data = load_study(*at.store);
+    if (solve) summary.data["pairs"] = data.distances.pair_count();
     if (solve && data.levels.size() > 1) {
-        summary.data["pairs"] = data.distances.pair_count();
-        summary.data["geodesics"] = done.pairs_total;  // of all rounds
         summary.data["pairs_coarse"] = data.pairs_coarse;
         summary.data["pairs_refined"] = static_cast<long>(data.distances.pair_count()) - data.pairs_coarse;
     }
@@ -257,11 +256,17 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     std::string head = std::to_string(done.shapes) + " shapes";
     if (solve) {
-        head += ", " + std::to_string(done.pairs_total) +
-                (data.levels.size() > 1                   ? " geodesics on all levels of the screening ("
-                 : options.settings.pairs.both_directions ? " geodesics, both directions of each pair ("
-                                                          : " pairs (") +
-                std::to_string(done.pairs_stored) + " from the store, " + std::to_string(done.pairs_solved) +
+        const auto pairs = static_cast<long>(data.distances.pair_count());
+        head += ", " + std::to_string(pairs) + " pairs";
+        if (done.pairs_total != pairs) {
+            head += "; " + std::to_string(done.pairs_total) + " geodesics";
+            if (data.levels.size() > 1) {
+                head += " on all levels of the screening";
+            } else if (options.settings.pairs.both_directions) {
+                head += ", both directions of each pair";
+            }
+        }
+        head += " (" + std::to_string(done.pairs_stored) + " from the store, " + std::to_string(done.pairs_solved) +
                 " computed)";
     }
     summary.lines.push_back(head + " in " + duration_text(seconds));

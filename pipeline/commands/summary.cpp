@@ -2,27 +2,39 @@
 
 #include <tbb/info.h>
 
+#include <cctype>
 #include <iostream>
 
 namespace morphodesic::pipeline {
 
-void Summary::add_failures(const std::vector<StudyFailure>& failures) {
+void Summary::add_remark(const std::string& remark) {
+    lines.push_back(remark);
+    data["remarks"].push_back(remark);
+}
+
+void Summary::add_failures(std::vector<StudyFailure> failures) {
     constexpr std::size_t shown = 20;
+    failures.insert(failures.end(), cut_off.begin(), cut_off.end());
     auto list = nlohmann::ordered_json::array();
-    std::size_t files = 0;
+    std::size_t files = 0, pairs = 0;
     for (const StudyFailure& failure : failures) {
-        if (failure.b.empty()) ++files;
+        if (!failure.b.empty()) ++pairs;
+        if (failure.b.empty() && !failure.cut_off) ++files;
         list.push_back({{"a", failure.a}, {"b", failure.b}, {"reason", failure.reason}});
     }
     data["failures"] = std::move(list);
     if (failures.empty()) return;
     if (exit_code == all_done) exit_code = some_failed;
-    std::string head = "Left out: " + std::to_string(files) + " files";
-    if (failures.size() > files) {
-        head += (files > 0 ? "; without a trustworthy distance: " : "Without a trustworthy distance: ");
-        if (files == 0) head = "Without a trustworthy distance: ";
-        head += std::to_string(failures.size() - files) + " pairs";
-    }
+    std::string head;
+    const auto say = [&](const char* what, std::size_t count, const std::string& noun) {
+        if (count == 0) return;
+        head += (head.empty() ? "" : "; ") + std::string(what) + std::to_string(count) + " " + noun;
+        if (count > 1) head += "s";
+    };
+    say("left out: ", files, "file");
+    say("without a trustworthy distance: ", pairs, "pair");
+    say("cut off from the others: ", cut_off.size(), "shape");
+    head[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(head[0])));
     lines.push_back(head);
     for (std::size_t i = 0; i < failures.size() && i < shown; ++i) {
         const StudyFailure& failure = failures[i];

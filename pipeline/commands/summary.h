@@ -14,10 +14,14 @@ struct Summary {
     int exit_code = all_done;
     std::vector<std::string> lines;
     nlohmann::ordered_json data = nlohmann::ordered_json::object();
+    std::vector<StudyFailure>
+        cut_off;  ///< found by the analysis: shapes that no chain of distances joins to the others
 
-    /// Lists failures in words (the first twenty) and in full in the JSON object; makes the exit code 1 if there are
-    /// any.
-    void add_failures(const std::vector<StudyFailure>& failures);
+    /// Something worth knowing: a line, and an entry of "remarks" in the JSON object.
+    void add_remark(const std::string& remark);
+    /// Lists failures, then the shapes that are cut off, in words (the first twenty) and in full in the JSON object;
+    /// makes the exit code 1 if there are any.
+    void add_failures(std::vector<StudyFailure> failures);
     /// Prints lines or JSON as the options want it and returns the exit code.
     int print(const CommonOptions& options);
 };

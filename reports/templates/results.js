@@ -75,10 +75,12 @@ function trustSection() {
     if (known(t.median_asymmetry))
         verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${
             percent(t.max_asymmetry)} at most.`);
+    // Pairs of shapes that are left out are among the failures only.
+    const failed = Math.max(t.not_converged.length, data.failures.filter(f => f.b).length);
     if (!data.given_matrix)
         verdicts.push(
-            t.not_converged.length ? `${plural(t.not_converged.length, 'pair')} did not converge.` :
-                                     'Every computed pair converged.');
+            failed ? `${plural(failed, 'pair')} did not converge or gave no trustworthy path.` :
+                     'Every computed pair converged.');
     if (t.perturbations)
         verdicts.push(`With distances moved within their error bars (${t.perturbations} runs, seed ${
             t.seed}) the clusters agree with those shown: adjusted Rand index ${num(t.stability_rand)}.`);
@@ -116,7 +118,8 @@ function trustSection() {
             `Shepard diagram: distances in the map against the ${distanceName}s; on the dashed line the map is exact.`);
     }
     const silhouette = chartBox('silhouette-chart');
-    if (t.silhouettes.length)
+    const separated = t.silhouettes.length > 0 && new Set(clusters).size > 1;  // else every silhouette is 0
+    if (separated)
         redraws.push(() => {
             const order =
                 [...Array(count).keys()]
@@ -138,7 +141,7 @@ function trustSection() {
            flat ? el('div', {}, el('h3', {}, 'Does the map tell the truth?'),
                      el('label', {class: 'field'}, 'Map', which), shepard) :
                   null,
-           t.silhouettes.length ? el('div', {}, el('h3', {}, 'Do the shapes sit in their clusters?'), silhouette) :
+           separated ? el('div', {}, el('h3', {}, 'Do the shapes sit in their clusters?'), silhouette) :
                                   null),
         t.worst_triangles.length ?
             el('details', {}, el('summary', {}, 'Worst triangles'),

@@ -54,7 +54,7 @@ function summarySection() {
         el('dl', {class: 'facts'}, facts.map(([k, v]) => el('div', {}, el('dt', {}, k), el('dd', {}, shown(v))))),
         data.failures.length ?
             table(
-                `What failed (${data.failures.length})`, ['file or pair', 'reason and what to do'],
+                `What failed (${data.failures.length})`, ['shape or pair', 'reason and what to do'],
                 data.failures.map(f => [shown(f.a) + (f.b ? ' – ' + shown(f.b) : ''), shown(f.reason)])) :
             null);
 }

@@ -75,11 +75,13 @@ TEST(ReportHtml, NamesCannotBecomeMarkup) {
 
 TEST(ReportHtml, HeadlineSaysWhatFailed) {
     auto model = tests::synthetic_model();
-    EXPECT_NE(render_html(model).find("12 shapes compared by 66 geodesics; failed: 1 file."), std::string::npos);
+    EXPECT_NE(render_html(model).find("12 shapes compared in 66 pairs; failed: 1 file."), std::string::npos);
     model.failures.push_back({"a.png", "b.png", "the solve did not converge"});
     model.pairs_done = 65;
-    EXPECT_NE(render_html(model).find("12 shapes compared by 65 geodesics (of 66 pairs); failed: 1 file and 1 pair."),
+    EXPECT_NE(render_html(model).find("12 shapes compared in 65 pairs (of 66); failed: 1 file and 1 pair."),
               std::string::npos);
+    model.failures = {{"a.png", "", "nothing joins it to the others", true}};
+    EXPECT_NE(render_html(model).find("(of 66); cut off from the others: 1 shape."), std::string::npos);
     model.failures.clear();
     EXPECT_NE(render_html(model).find("; nothing failed."), std::string::npos);
 }

@@ -293,6 +293,17 @@ TEST_F(Page, AGivenTableHasNoGeodesics) {
     expect_quiet();
 }
 
+TEST_F(Page, FailedPairsOfShapesThatAreLeftOutCount) {
+    auto model = tests::synthetic_model({.shapes = 4, .classes = 2, .paths = 0});
+    model.trust.not_converged.clear();
+    show(model);
+    EXPECT_THAT(text("#trust"), testing::HasSubstr("Every computed pair converged."));
+    model.failures.push_back({"x.png", "y.png", "not converged"});
+    show(model);
+    EXPECT_THAT(text("#trust"), testing::HasSubstr("1 pair did not converge or gave no trustworthy path."));
+    EXPECT_THAT(text("#trust"), testing::Not(testing::HasSubstr("Every computed pair converged.")));
+}
+
 TEST_F(Page, WarningsStandFirst) {
     auto model = tests::synthetic_model({.shapes = 4, .classes = 2, .paths = 0});
     model.warnings = {"The sizes differ by a factor of 836."};
@@ -324,6 +335,22 @@ TEST_F(Page, LightAndDark) {
     browser_->devtools("Emulation.setEmulatedMedia", {{"media", "print"}});
     EXPECT_EQ(background(), "rgb(255, 255, 255)");
     expect_quiet();
+}
+
+TEST_F(Page, LongNamesWithoutBreaksFit) {
+    browser_->devtools("Emulation.setDeviceMetricsOverride",
+                       {{"width", 1400}, {"height", 844}, {"deviceScaleFactor", 1}, {"mobile", false}});
+    auto model = tests::synthetic_model({.shapes = 12, .classes = 3, .paths = 2});
+    for (std::size_t i = 0; i < model.shapes.size(); ++i) {
+        model.shapes[i].name = std::string(225, static_cast<char>('a' + i)) + ".png";
+    }
+    model.failures.push_back({std::string(225, 'z') + ".png", "", "/" + std::string(225, 'z') + ".png: is empty"});
+    show(model);
+    EXPECT_LE(browser_->run("return document.documentElement.scrollWidth").get<int>(), 1400);
+    EXPECT_EQ(browser_->run("return [...document.querySelectorAll('.stack, #summary table')].filter(t => t.scrollWidth "
+                            "> t.parentNode.clientWidth + 1).length"),
+              0);
+    browser_->devtools("Emulation.clearDeviceMetricsOverride");
 }
 
 /// Nothing wider than its place, which would move clicks away from what is seen.

@@ -41,11 +41,22 @@ TEST(Study, TheSameCommandAgainComputesNothing) {
     const auto command = quick({"run", (folder / "disks").string(), "--json", "--quiet"});
     const json first = json::parse(morphodesic(command).out);
     EXPECT_EQ(first["pairs_computed"], 6);
+    EXPECT_EQ(first["seconds_of_all_runs"], first["seconds"]);
     const std::string bytes = read_file(folder / "disks.study/distances.csv");
     const json second = json::parse(morphodesic(command).out);
     EXPECT_EQ(second["pairs_computed"], 0);
     EXPECT_EQ(second["pairs_from_store"], 6);
     EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), bytes);
+}
+
+TEST(Study, TheTableWithoutEstimatesIsThereAlsoWhereThereAreNone) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    // On this level nothing is coarser that could estimate anything.
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--neighbors", "1", "--quiet"})).code, 0);
+    EXPECT_EQ(read_file(folder / "disks.study/distances_refined.csv"), read_file(folder / "disks.study/distances.csv"));
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
+    EXPECT_FALSE(fs::exists(folder / "disks.study/distances_refined.csv"));
 }
 
 TEST(Study, BytesDoNotDependOnThreads) {
@@ -138,6 +149,27 @@ TEST(Study, FilesOfEqualContentHaveDistanceZero) {
     ASSERT_EQ(distances.size(), 4u);
     EXPECT_EQ(distances(1, 3), 0.0);
     EXPECT_EQ(distances(0, 1), distances(0, 3));
+    const json summary = json::parse(done.out);
+    EXPECT_EQ(summary["pairs"], 6);
+    EXPECT_EQ(summary["geodesics"], 3);
+    EXPECT_EQ(summary["pairs_computed"], 3);
+    EXPECT_EQ(json::parse(read_file(folder / "disks.study/report.json"))["pairs_total"], 6);
+    const Outcome again = morphodesic(quick({"run", (folder / "disks").string()}));
+    EXPECT_THAT(again.out, HasSubstr("4 shapes, 6 pairs; 3 geodesics (3 from the store, 0 computed)"));
+    EXPECT_THAT(read_file(folder / "disks.study/report.html"), HasSubstr("4 shapes compared in 6 pairs;"));
+}
+
+TEST(Study, CopiesOfOneShapeAreOneCluster) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 1);
+    for (const char* copy : {"a", "b", "c"}) {
+        fs::copy_file(folder / "disks/disk-01.png", folder / "disks" / (std::string(copy) + ".png"));
+    }
+    const Outcome done = morphodesic(quick({"run", (folder / "disks").string(), "--json", "--quiet"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(json::parse(done.out)["clusters"], 1);
+    const json report = json::parse(read_file(folder / "disks.study/report.json"));
+    EXPECT_EQ(report["clusterings"][0]["cut"], "no cut has a silhouette above 0");
 }
 
 TEST(Study, BadFilesAreListedAndTheRestGoesOn) {
@@ -166,6 +198,11 @@ TEST(Study, PairsThatFailAreNamedAlsoWhereTheSummaryIsNotForPeople) {
         EXPECT_EQ(done.code, 1);
         EXPECT_THAT(done.err, HasSubstr("morphodesic: disk-01.png - disk-03.png: not converged")) << how;
     }
+    // None of the files failed: two shapes have no distance left that would join them to the first.
+    const std::string page = read_file(folder / "disks.study/report.html");
+    EXPECT_THAT(page, HasSubstr("(of 3); failed: 3 pairs; cut off from the others: 2 shapes."));
+    const Outcome report = morphodesic({"report", (folder / "disks.study").string()});
+    EXPECT_THAT(report.out, HasSubstr("Without a trustworthy distance: 3 pairs; cut off from the others: 2 shapes\n"));
 }
 
 TEST(Study, NamesMayHoldAnything) {
