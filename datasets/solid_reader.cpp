@@ -29,17 +29,22 @@ bool matches(std::string_view name, std::string_view pattern) {
     return !name.empty() && name.front() == pattern.front() && matches(name.substr(1), pattern.substr(1));
 }
 
-bool is_listed(const std::string& name, const std::string& list) {
-    const std::string_view file = std::string_view(name).substr(name.rfind('/') + 1);  // npos + 1 is 0
+std::vector<std::string_view> patterns_of(std::string_view list) {
+    std::vector<std::string_view> patterns;
     for (std::size_t begin = 0; begin < list.size();) {
         const std::size_t end = std::min(list.find(',', begin), list.size());
-        std::string_view pattern = std::string_view(list).substr(begin, end - begin);
+        std::string_view pattern = list.substr(begin, end - begin);
         while (pattern.starts_with(' ')) pattern.remove_prefix(1);
         while (pattern.ends_with(' ')) pattern.remove_suffix(1);
-        if (!pattern.empty() && (matches(name, pattern) || matches(file, pattern))) return true;
+        if (!pattern.empty()) patterns.push_back(pattern);
         begin = end + 1;
     }
-    return false;
+    return patterns;
+}
+
+bool fits(const std::string& name, std::string_view pattern) {
+    const std::string_view file = std::string_view(name).substr(name.rfind('/') + 1);  // npos + 1 is 0
+    return matches(name, pattern) || matches(file, pattern);
 }
 
 }  // namespace
@@ -130,7 +135,8 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
                                                 : solid_from_triangles(std::move(file.mesh), source.path, solidify);
     std::vector<std::size_t> invented;
     if (!scan.triangles.empty()) invented = invented_triangles(solid.mesh, scan);
-    if (is_listed(source.name, options.mirror)) {
+    const std::vector<std::string_view> mirrored = patterns_of(options.mirror);
+    if (std::any_of(mirrored.begin(), mirrored.end(), [&](auto pattern) { return fits(source.name, pattern); })) {
         mirror(solid.mesh);
         solid.centroid[0] = -solid.centroid[0];
         solid.notes.emplace_back("Mirrored, as --mirror asks.");
@@ -160,6 +166,20 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
 template <>
 RawShape<3> read_shape<3>(const ShapeSource& source, const ImportOptions& options) {
     return read_shape_3d(source, options);
+}
+
+std::string mirror_remark(const std::string& mirror, const std::vector<ShapeSource>& sources) {
+    std::string unused;
+    for (const std::string_view pattern : patterns_of(mirror)) {
+        const bool used = std::any_of(sources.begin(), sources.end(), [&](const ShapeSource& source) {
+            return source.dimension == 3 && fits(source.name, pattern);
+        });
+        if (!used) unused += (unused.empty() ? "" : ", ") + std::string(pattern);
+    }
+    if (unused.empty()) return "";
+    const bool solids = std::any_of(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; });
+    return "--mirror has no effect for " + unused +
+           (solids ? ": no solid has such a name." : ": it mirrors solids, and these are images.");
 }
 
 }  // namespace morphodesic::datasets

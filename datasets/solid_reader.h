@@ -31,4 +31,8 @@ private:
 /// @throws ReadError if the file cannot be used; the message says why and what to do
 RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& options = {});
 
+/// A sentence on patterns of ImportOptions::mirror that no solid among the sources fits; empty if there are none. A
+/// mistyped pattern would otherwise leave a solid as it is without a word.
+[[nodiscard]] std::string mirror_remark(const std::string& mirror, const std::vector<ShapeSource>& sources);
+
 }  // namespace morphodesic::datasets

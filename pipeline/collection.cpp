@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/solid_reader.h"
 #include "pipeline/digest.h"
 #include "pipeline/stop_signals.h"
 
@@ -215,6 +216,9 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     collection.remarks = scan.notes;
     collection.dimension =
         choose_dimension(folder, settings.dimension, scan.sources, collection.left_out, collection.remarks);
+    if (std::string remark = datasets::mirror_remark(settings.import.mirror, scan.sources); !remark.empty()) {
+        collection.remarks.push_back(std::move(remark));
+    }
     collection.import = settings.import;
     collection.placement.mode = settings.normalize;
     collection.placement.level = shape_level(collection.dimension, settings.geodesic);

@@ -81,16 +81,15 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
 }
 
 std::vector<std::string> with_config(std::vector<std::string> arguments) {
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
+    std::vector<std::string> tokens;  // of several files in their order: the last word counts
+    for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
         std::string file;
         if (arguments[i].rfind("--config=", 0) == 0) file = arguments[i].substr(9);
-        if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[i + 1];
-        if (arguments[i] == "--") break;
+        if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[++i];
         if (file.empty()) continue;
-        const std::vector<std::string> tokens = tokens_of_config(file);
-        arguments.insert(arguments.begin() + options_begin(arguments), tokens.begin(), tokens.end());
-        break;
+        for (std::string& token : tokens_of_config(file)) tokens.push_back(std::move(token));
     }
+    arguments.insert(arguments.begin() + options_begin(arguments), tokens.begin(), tokens.end());
     return arguments;
 }
 

@@ -32,7 +32,7 @@ double distance_in(const std::string& cell, const std::string& source, std::size
 
 }  // namespace
 
-std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std::vector<std::string>& labels) {
+QueryTable read_queries(const std::filesystem::path& table, const std::vector<std::string>& labels) {
     const std::string source = table.string();
     std::ifstream in(table, std::ios::binary);
     if (!in) throw ParseError(source, 0, 0, "cannot be opened", "check the name and the permission to read");
@@ -49,9 +49,14 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
     };
     const auto file = column("file"), item = column("template"), distance = column("distance");
     const bool is_ranking = file && item && distance;
+    std::set<std::string> strangers;
     std::vector<std::size_t> item_of_column(header.size(), labels.size());
     for (std::size_t c = 1; c < header.size() && !is_ranking; ++c) {
-        if (const auto found = item_of.find(header[c]); found != item_of.end()) item_of_column[c] = found->second;
+        if (const auto found = item_of.find(header[c]); found != item_of.end()) {
+            item_of_column[c] = found->second;
+        } else {
+            strangers.insert(header[c]);
+        }
     }
     std::vector<QueryRow> queries;
     std::map<std::string, std::size_t> number;
@@ -80,7 +85,11 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
             any = any || !std::isnan(known[to]);
         };
         if (is_ranking) {
-            if (const auto found = item_of.find(cells[*item]); found != item_of.end()) take(found->second, *distance);
+            if (const auto found = item_of.find(cells[*item]); found != item_of.end()) {
+                take(found->second, *distance);
+            } else {
+                strangers.insert(cells[*item]);
+            }
             continue;
         }
         for (std::size_t c = 1; c < cells.size(); ++c) {
@@ -92,7 +101,7 @@ std::vector<QueryRow> read_queries(const std::filesystem::path& table, const std
                          "there is no distance to any of the " + std::to_string(labels.size()) + " shapes",
                          "name the columns as the shapes of the study, first column: the name of the query");
     }
-    return queries;
+    return {std::move(queries), {strangers.begin(), strangers.end()}};
 }
 
 std::vector<reports::PlacedQuery> place_queries(const analysis::AnalysisResult& result,

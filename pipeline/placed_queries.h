@@ -15,12 +15,16 @@ struct QueryRow {
     std::vector<double> distances;  ///< one per item, in the order of the labels; NaN: not known
 };
 
+struct QueryTable {
+    std::vector<QueryRow> queries;
+    std::vector<std::string> strangers;  ///< what the table has distances to, but the study does not have
+};
+
 /// Reads the distances of further shapes to the items of a study. Two kinds of tables are understood, told apart by the
 /// header: a row per query (first cell: its name) with a column per item, and ranking.csv of `classify` with a row per
 /// query and template (columns file, template, distance). Items that the table does not name are not known.
 /// @throws analysis::ParseError if the table cannot be read, names no item, or has two distances for one query and item
-[[nodiscard]] std::vector<QueryRow> read_queries(const std::filesystem::path& table,
-                                                 const std::vector<std::string>& labels);
+[[nodiscard]] QueryTable read_queries(const std::filesystem::path& table, const std::vector<std::string>& labels);
 
 /// Every query placed in every map of the analysis, the shapes of the study held fixed; in Isomap's maps by its path
 /// lengths along the neighbour graph.

@@ -107,6 +107,14 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
     return drawn;
 }
 
+/// "unknown" where there is no number, as for the correlation of distances that are all the same.
+std::string number_text(const char* format, double value) {
+    if (!std::isfinite(value)) return "unknown";
+    char text[40];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
 /// A name that is a folder of its own on every file system.
 std::string path_folder(std::size_t number, const std::string& a, const std::string& b) {
     std::string name = std::to_string(number + 1);
@@ -211,17 +219,24 @@ void add_findings(const StudyData& data, const StudyOptions& options, const Stud
             options.compare.has_filename() ? options.compare : options.compare.parent_path();
         const reports::Comparison& compare = analysed.model.compare.emplace(
             compare_studies(data, other, named.filename().string(), options.analysis.neighbors));
-        char text[160];
-        std::snprintf(text, sizeof text,
-                      "%d pairs in common; Spearman correlation %.4f, %.1f %% of the neighbours agree",
-                      compare.common_pairs, compare.spearman, 100 * compare.mean_overlap);
-        summary.lines.emplace_back(text);
+        summary.lines.push_back(std::to_string(compare.common_pairs) + " pairs in common; Spearman correlation " +
+                                number_text("%.4f", compare.spearman) + ", " +
+                                number_text("%.1f %%", 100 * compare.mean_overlap) + " of the neighbours agree");
     }
     if (options.place.empty()) {
         folder.remove("placed.csv");  // of other maps
         return;
     }
-    const std::vector<QueryRow> queries = read_queries(options.place, analysed.analysis.labels);
+    const QueryTable table = read_queries(options.place, analysed.analysis.labels);
+    const std::vector<QueryRow>& queries = table.queries;
+    if (const auto& strangers = table.strangers; !strangers.empty()) {
+        const std::string remark =
+            options.place.filename().string() + " has distances to " + strangers.front() +
+            (strangers.size() > 1 ? " and " + std::to_string(strangers.size() - 1) + " more" : "") +
+            ", which is not among the shapes.";
+        summary.add_remark(remark);
+        analysed.model.trust.remarks.push_back(remark);
+    }
     analysed.model.placed = place_queries(analysed.analysis, queries);
     folder.write("placed.csv", placed_csv(analysed.model));
     summary.data["placed"] = queries.size();

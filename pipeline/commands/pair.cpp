@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "datasets/solid_reader.h"
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/summary.h"
@@ -128,6 +129,14 @@ int geodesic(const PairOptions& options) {
     const datasets::ShapeSource a = datasets::single_source(options.a), b = datasets::single_source(options.b);
     if (a.dimension != b.dimension) {
         throw std::invalid_argument("one of the two shapes is 2D and the other 3D; give two of a kind");
+    }
+    const std::string& dimension = options.settings.dimension;
+    if (dimension != "auto" && dimension != std::to_string(a.dimension)) {
+        std::cerr << "morphodesic: --dimension " << dimension << " has no effect: both files are "
+                  << (a.dimension == 2 ? "images" : "solids") << "\n";
+    }
+    if (const std::string remark = datasets::mirror_remark(options.settings.import.mirror, {a, b}); !remark.empty()) {
+        std::cerr << "morphodesic: " << remark << "\n";
     }
     tbb::task_arena arena(static_cast<int>(threads));
     return arena.execute(

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "end_to_end/program.h"
 #include "pipeline/cli.h"
 
@@ -35,12 +37,19 @@ TEST(ConfigFile, ItsOptionsComeBeforeThoseOfTheCommandLineAndBehindTheCommand) {
     using Words = std::vector<std::string>;
     EXPECT_EQ(with_config({"run", "letters", "--config", file}),
               (Words{"run", "--size=64", "letters", "--config", file}));
-    for (const std::string& option : {"--config=" + file, std::string("--quiet")}) {
-        EXPECT_EQ(with_config({"datasets", option, "--config", file, "bars", "--size", "32"}),
-                  (Words{"datasets", option, "--config", file, "bars", "--size=64", "--size", "32"}));
-    }
+    EXPECT_EQ(with_config({"datasets", "--quiet", "--config", file, "bars", "--size", "32"}),
+              (Words{"datasets", "--quiet", "--config", file, "bars", "--size=64", "--size", "32"}));
+    EXPECT_EQ(with_config({"datasets", "--config=" + file, "bars", "--size", "32"}),
+              (Words{"datasets", "--config=" + file, "bars", "--size=64", "--size", "32"}));
     EXPECT_EQ(with_config({"datasets", "--config", file}), (Words{"datasets", "--size=64", "--config", file}));
     EXPECT_EQ(with_config({"run", "--", "--config"}), (Words{"run", "--", "--config"}));
+    // Of several files all count, in their order.
+    tests::write_file(folder / "d.toml", "size = 96\nseed = 2\n");
+    const std::string other = (folder / "d.toml").string();
+    EXPECT_THAT(with_config({"run", "--config", file, "--config=" + other}),
+                testing::AllOf(testing::Contains("--seed=2"), testing::Contains("--size=96")));
+    const Words both = with_config({"run", "--config", file, "--config", other});
+    EXPECT_LT(std::find(both.begin(), both.end(), "--size=64"), std::find(both.begin(), both.end(), "--size=96"));
 }
 
 }  // namespace

@@ -49,6 +49,19 @@ TEST(SolidReader, UnitsAndPlaceDoNotMatterWhenEachIsScaled) {
     }
 }
 
+TEST(SolidReader, PatternsOfMirrorThatFitNothingAreSaid) {
+    const std::vector<ShapeSource> solids{{"f/left.ply", "left.ply", "", 3, {}},
+                                          {"f/b/right.ply", "b/right.ply", "", 3, {}}},
+        images{{"f/left.png", "left.png", "", 2, {}}};
+    EXPECT_EQ(mirror_remark("", solids), "");
+    EXPECT_EQ(mirror_remark("right.ply, l*", solids), "");
+    EXPECT_EQ(mirror_remark("b/*", solids), "");
+    EXPECT_EQ(mirror_remark("nosuch, left*, none", solids),
+              "--mirror has no effect for nosuch, none: no solid has such a name.");
+    EXPECT_EQ(mirror_remark("left*", images),
+              "--mirror has no effect for left*: it mirrors solids, and these are images.");
+}
+
 TEST(SolidReader, MirrorTakesNamesAndPatterns) {
     const FileFolder folder;
     // A corner piece: no rotation turns it into its mirror image.

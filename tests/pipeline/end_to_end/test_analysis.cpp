@@ -62,6 +62,21 @@ TEST(AnalyzeTable, AnyDistanceTableBecomesTablesOfResults) {
     }
 }
 
+TEST(AnalyzeTable, ShapesWithoutDistancesAreSaid) {
+    const TemporaryFolder folder;
+    write_file(folder / "na.csv", ",a,b,c\na,0,NA,2\nb,NA,0,NaN\nc,2,NaN,0\n");
+    for (const char* command : {"analyze", "report"}) {
+        const Outcome done = morphodesic({command, (folder / "na.csv").string(), "--json"});
+        EXPECT_EQ(done.code, 1) << command;
+        const json summary = json::parse(done.out);
+        EXPECT_EQ(summary["shapes_left_out"], 1);
+        ASSERT_EQ(summary["failures"].size(), 1u);
+        EXPECT_EQ(summary["failures"][0]["a"], "b");
+        EXPECT_THAT(done.err, HasSubstr("b: no chain of trustworthy distances joins it to the others")) << command;
+    }
+    EXPECT_THAT(read_file(folder / "na.analysis/report.html"), HasSubstr("cut off from the others: 1 shape."));
+}
+
 TEST(AnalyzeTable, ErrorBarsDecideWhatIsSaidOfClusters) {
     const TemporaryFolder folder;
     write_file(folder / "d.csv", table);
@@ -117,6 +132,14 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const Outcome bad = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "bad.csv").string()});
     EXPECT_EQ(bad.code, 2);
     EXPECT_THAT(bad.err, HasSubstr("no distance to any of the 6 shapes"));
+    // What the study does not have is said.
+    write_file(folder / "more.csv", ",b1,nobody,nothing\nq,1,2,3\n");
+    write_file(folder / "classes.csv", std::string(classes) + "b7,b\n");
+    const Outcome more = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "more.csv").string(),
+                                      "--labels", (folder / "classes.csv").string()});
+    EXPECT_EQ(more.code, 0);
+    EXPECT_THAT(more.out, HasSubstr("more.csv has distances to nobody and 1 more, which is not among the shapes"));
+    EXPECT_THAT(more.out, HasSubstr("classes.csv has a class for b7, which is not among the shapes"));
     // Two queries of one name must not become one.
     write_file(folder / "twice.csv", ",a1,b1\nq,1,9\nq,9,1\n");
     write_file(folder / "ranking.csv", "file,rank,template,class,distance\nq,1,a1,,1\nq,2,b1,,9\nq,1,b1,,1\n");
@@ -316,6 +339,10 @@ TEST(ReportOfStudy, TwoStudiesSideBySide) {
     const Outcome same = morphodesic({"analyze", here, "--compare", (fs::path(here) / "distances.csv").string()});
     ASSERT_EQ(same.code, 0) << same.err;
     EXPECT_THAT(same.out, HasSubstr("Spearman correlation 1.0000, 100.0 % of the neighbours agree"));
+    write_file(folder / "constant.csv", ",x,y,z\nx,0,1,1\ny,1,0,1\nz,1,1,0\n");
+    const std::string constant = (folder / "constant.csv").string();
+    EXPECT_THAT(morphodesic({"analyze", constant, "--compare", constant}).out,
+                HasSubstr("Spearman correlation unknown"));
 }
 
 TEST(ReportOfStudy, RunTakesTheOptionsOfTheAnalysis) {
