@@ -470,7 +470,7 @@ OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const s
             summary.problems.push_back({error.file(), error.problem(), error.remedy()});
         }
     }
-    tables.write(folder);
+    if (summary.queries > 0) tables.write(folder);
     return summary;
 }
 

@@ -11,6 +11,7 @@
 
 #include "analysis/csv.h"
 #include "datasets/read_error.h"
+#include "pipeline/cli_hints.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/classify.h"
 #include "pipeline/commands/datasets.h"
@@ -154,7 +155,10 @@ CLI::App* CommandLine::command(const std::string& name, const std::string& help,
 }
 
 void CommandLine::add_config(CLI::App* command) {
-    command->add_option("--config", config, "TOML file with options; those on the command line overrule it")
+    command
+        ->add_option(
+            "--config", config,
+            "TOML file with options; those on the command line overrule it, and of several files the later one")
         ->option_text("FILE");
 }
 
@@ -374,9 +378,9 @@ void CommandLine::add_figures() {
     sub->add_option("figures", figures.keys, "which figures; default: all")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->option_text("KEY ...");
-    sub->add_option("--out", figures.out, "folder for pictures, tables and gallery.html")
-        ->option_text("FOLDER")
-        ->capture_default_str();
+    sub->add_option("--out", figures.out,
+                    "folder for pictures, tables and gallery.html (of the figures of this run); default: figures")
+        ->option_text("FOLDER");
     sub->add_option("--markdown", figures.markdown,
                     "file for captions, checks and tables as Markdown, pictures beside it")
         ->option_text("FILE");
@@ -467,6 +471,10 @@ int parse_and_run(std::vector<std::string> arguments) {
         line.app.parse(words);
     };
     CommandLine first(settings_of_preset("standard"));
+    if (const std::string problem = unknown_command(first.app, arguments); !problem.empty()) {
+        std::cerr << "morphodesic: " << problem << "\n";
+        return bad_usage;
+    }
     try {
         parse(first);
         CommandLine second(defaults_after(first));
@@ -498,6 +506,8 @@ int parse_and_run(std::vector<std::string> arguments) {
         return second.action();
     } catch (const CLI::ParseError& error) {
         const int code = first.app.exit(error, std::cout, std::cerr);
+        const std::string hint = code == 0 ? "" : dash_hint(arguments);
+        if (!hint.empty()) std::cerr << "morphodesic: " << hint << "\n";
         return code == 0 ? all_done : bad_usage;
     }
 }

@@ -43,7 +43,8 @@ struct RunSettings {
         datasets::ImportOptions::for_each_field(self.import, visit);
         visit(
             "normalize", self.normalize,
-            "size of the shapes: common (one scale for all), each (unit area or volume), none (the image is the cube)");
+            "size of the shapes: common (one scale for all), each (all of one area or volume, 0.1 or 0.03 of the unit "
+            "square or cube, less where that does not fit), none (the image is the cube)");
         GeodesicOptions::for_each_field(self.geodesic, visit);
     }
     /// Every violated constraint, in words; empty if the settings are usable.

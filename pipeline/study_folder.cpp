@@ -41,9 +41,9 @@ void StudyFolder::create() const {
     std::error_code error;
     fs::create_directories(path_, error);
     if (error || !fs::is_directory(path_)) {
-        throw StoreError(
-            path_, "the study folder cannot be made: " + (error ? error.message() : "there is a file of that name") +
-                       "; choose another one with --out");
+        throw StoreError(path_,
+                         "the folder cannot be made: " + (error ? error.message() : "there is a file of that name") +
+                             "; choose another one with --out");
     }
 }
 

@@ -415,9 +415,14 @@ void say(const ClassificationRun& run, Summary& summary) {
         }
         summary.lines.push_back(line);
     }
-    std::snprintf(text, sizeof text, "%zu queries in %s, %.3g a second", run.queries.size(),
-                  duration_text(run.seconds).c_str(),
-                  static_cast<double>(run.queries.size()) / std::max(run.seconds, 1e-9));
+    const auto classified =
+        std::count_if(run.queries.begin(), run.queries.end(), [](const QueryResult& q) { return q.problem.empty(); });
+    if (classified == 0) {
+        summary.lines.emplace_back("No query could be used.");
+        return;
+    }
+    std::snprintf(text, sizeof text, "%td %s in %s, %.3g a second", classified, classified == 1 ? "query" : "queries",
+                  duration_text(run.seconds).c_str(), static_cast<double>(classified) / std::max(run.seconds, 1e-9));
     summary.lines.emplace_back(text);
 }
 

@@ -70,11 +70,16 @@ int write_queries(const DatasetOptions& options) {
     for (const auto& problem : written.problems) failures.push_back({"", "", problem.message()});
     Summary summary;
     summary.data = {{"folder", folder.string()}, {"queries", written.queries}};
-    summary.lines.push_back(std::to_string(written.queries) + " queries with masks and truth.csv in " +
-                            folder.string());
-    summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
-                            options.source.string());
-    if (written.queries == 0) summary.exit_code = bad_usage;
+    if (written.queries == 0) {
+        summary.exit_code = bad_usage;
+        summary.lines.emplace_back("No shape could be used.");
+    } else {
+        summary.lines.push_back(std::to_string(written.queries) +
+                                (written.queries == 1 ? " query with mask" : " queries with masks") +
+                                " and truth.csv in " + folder.string());
+        summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
+                                options.source.string());
+    }
     summary.add_failures(failures);
     return summary.print(options.common);
 }

@@ -20,8 +20,8 @@ struct FiguresOptions {
 /// Keys and titles of all figures, for --help.
 [[nodiscard]] std::string figures_help();
 
-/// Computes figures and writes name.png, name.svg and name.csv of each, and gallery.html with all that are in the
-/// folder after this run. A figure that fails is listed, the others go on.
+/// Computes figures and writes name.png, name.svg and name.csv of each, and gallery.html with those of this
+/// run; files of figures of other runs stay beside it. A figure that fails is listed, the others go on.
 int figures(const FiguresOptions& options);
 
 }  // namespace morphodesic::pipeline

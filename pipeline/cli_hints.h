@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace morphodesic::pipeline {
+
+/// What is wrong if the first word, or that behind `datasets`, is no command; empty if it is one or none is there.
+/// @param first  number of the word that names the command of `app`
+[[nodiscard]] std::string unknown_command(const CLI::App& app, const std::vector<std::string>& words,
+                                          std::size_t first = 0);
+
+/// What to write for a file whose name begins as options do, if there is one among the words; else empty.
+[[nodiscard]] std::string dash_hint(const std::vector<std::string>& words);
+
+}  // namespace morphodesic::pipeline
