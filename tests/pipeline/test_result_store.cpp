@@ -156,7 +156,7 @@ TEST_F(Store, ReadingWhereThereIsNoStudySaysHowToMakeOne) {
     try {
         const ResultStore store(file_, ResultStore::Access::read);
         FAIL();
-    } catch (const StoreError& error) {
+    } catch (const std::invalid_argument& error) {
         EXPECT_THAT(error.what(), testing::HasSubstr("morphodesic run"));
     }
     EXPECT_FALSE(std::filesystem::exists(file_));
