@@ -28,23 +28,10 @@ std::string label_of_name(const std::string& stem) {
     return last == std::string::npos ? std::string() : stem.substr(0, last + 1);
 }
 
-/// What this program wrote into a folder, in words, by the files that it always writes there; empty if it did not.
-/// @param names  of the files in the folder
-std::string results_in(const std::set<std::string>& names) {
-    const auto all = [&](std::initializer_list<const char*> files) {
-        return std::all_of(files.begin(), files.end(), [&](const char* file) { return names.contains(file); });
-    };
-    if (all({"study.sqlite"})) return "a study";
-    if (all({"clusters.csv", "linkage.csv", "embedding.csv"})) return "the analysis of a table of distances";
-    if (all({"colours.json", "step-00.png"})) return "the path of a geodesic";
-    if (all({"classification.csv", "ranking.csv"})) return "results of classify";
-    if (all({"heat_map.svg", "heat_map.pdf", "heat_map.png"})) return "figures of a report";
-    // Of `figures` the names differ, but each picture comes with its drawing and its numbers.
-    const bool figure = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-        const std::string stem = fs::path(name).stem().string();
-        return name == stem + ".png" && names.contains(stem + ".svg") && names.contains(stem + ".csv");
-    });
-    return figure && all({"gallery.html"}) ? "results of figures" : "";
+std::set<std::string> names_of(const std::vector<fs::directory_entry>& entries) {
+    std::set<std::string> names;
+    for (const fs::directory_entry& entry : entries) names.insert(entry.path().filename().string());
+    return names;
 }
 
 class Scan {
@@ -105,9 +92,7 @@ private:
         std::sort(entries.begin(), entries.end(),
                   [](const auto& a, const auto& b) { return a.path().native() < b.path().native(); });
         if (!folder.prefix.empty()) {  // whoever names such a folder itself means its pictures
-            std::set<std::string> names;
-            for (const fs::directory_entry& entry : entries) names.insert(entry.path().filename().string());
-            if (const std::string results = results_in(names); !results.empty()) {
+            if (const std::string results = results_in(names_of(entries)); !results.empty()) {
                 result_.notes.push_back("Skipped the folder " + folder.path.string() + ": it holds " + results + ".");
                 return;
             }
@@ -318,6 +303,23 @@ std::map<std::string, std::string> read_labels(const fs::path& file) {
         }
     }
     return label_of;
+}
+
+std::string results_in(const std::set<std::string>& names) {
+    const auto all = [&](std::initializer_list<const char*> files) {
+        return std::all_of(files.begin(), files.end(), [&](const char* file) { return names.contains(file); });
+    };
+    if (all({"study.sqlite"})) return "a study";
+    if (all({"clusters.csv", "linkage.csv", "embedding.csv"})) return "the analysis of a table of distances";
+    if (all({"colours.json", "step-00.png"})) return "the path of a geodesic";
+    if (all({"classification.csv", "ranking.csv"})) return "results of classify";
+    if (all({"heat_map.svg", "heat_map.pdf", "heat_map.png"})) return "figures of a report";
+    // Of `figures` the names differ, but each picture comes with its drawing and its numbers.
+    const bool figure = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+        const std::string stem = fs::path(name).stem().string();
+        return name == stem + ".png" && names.contains(stem + ".svg") && names.contains(stem + ".csv");
+    });
+    return figure && all({"gallery.html"}) ? "results of figures" : "";
 }
 
 ScanResult scan_folder(const fs::path& folder, const ScanOptions& options) {

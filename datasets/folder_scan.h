@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,10 @@ struct ScanResult {
 /// @throws ReadError if the folder or its labels.csv cannot be read
 /// @throws std::invalid_argument if the options have problems
 ScanResult scan_folder(const std::filesystem::path& folder, const ScanOptions& options = {});
+
+/// What this program wrote into a folder, in words, by the files that it always writes there; empty if it did not.
+/// @param names  of the files in the folder
+[[nodiscard]] std::string results_in(const std::set<std::string>& names);
 
 /// A table of two columns, file and label (labels.csv, truth.csv), with or without a heading; more columns are ignored.
 /// @throws ReadError if it cannot be read, if a row has no label or if a file is given two

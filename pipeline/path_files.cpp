@@ -1,8 +1,10 @@
 #include "pipeline/path_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "pipeline/colour_map.h"
 #include "pipeline/path_pictures.h"
@@ -10,6 +12,7 @@
 namespace morphodesic::pipeline {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 ordered_json number(double x) {
@@ -22,7 +25,45 @@ ordered_json numbers(const std::vector<double>& values) {
     return array;
 }
 
+constexpr const char* colours_file = "colours.json";
+
+bool is_plain(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+}
+
+/// How many digits a text begins with.
+std::size_t digits_of(std::string_view text) {
+    return static_cast<std::size_t>(std::find_if(text.begin(), text.end(), [](char c) { return c < '0' || c > '9'; }) -
+                                    text.begin());
+}
+
 }  // namespace
+
+std::string path_folder(std::size_t number, const std::string& a, const std::string& b) {
+    std::string name = std::to_string(number + 1);
+    name.insert(0, name.size() < 3 ? 3 - name.size() : 0, '0');
+    for (const std::string* part : {&a, &b}) {
+        name += '_';
+        for (const char c : part->substr(0, part->rfind('.')).substr(0, 60)) name += is_plain(c) ? c : '-';
+    }
+    return name;
+}
+
+bool is_path_folder(const std::string& name) {
+    const std::size_t digits = digits_of(name);
+    return digits >= 3 && digits < name.size() && name[digits] == '_' &&
+           std::count(name.begin(), name.end(), '_') == 2 &&
+           std::all_of(name.begin(), name.end(), [](char c) { return is_plain(c) || c == '_'; });
+}
+
+bool is_path_file(const fs::path& name) {
+    const fs::path whole = name.extension() == ".part" ? name.stem() : name;  // the rest of a write that was stopped
+    if (whole == colours_file || whole == solids_mark) return true;
+    const std::string stem = whole.stem().string(), ending = whole.extension().string();
+    if (stem.rfind("step-", 0) != 0 || (ending != ".png" && ending != ".vdb" && ending != ".ply")) return false;
+    const std::string_view number = std::string_view(stem).substr(5);
+    return number.size() >= 2 && digits_of(number) == number.size();
+}
 
 template <int Dim>
 DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view) {
@@ -69,8 +110,7 @@ DrawnPath unpack(const std::string& bytes) {
     return drawn;
 }
 
-std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,
-                                          const DrawnPath& drawn) {
+std::vector<std::string> write_path_files(const StudyFolder& folder, const fs::path& below, const DrawnPath& drawn) {
     std::vector<std::string> names;
     for (std::size_t k = 0; k < drawn.frames.size(); ++k) {
         char name[32];
@@ -83,7 +123,7 @@ std::vector<std::string> write_path_files(const StudyFolder& folder, const std::
                                {"low", number(drawn.colour_bar.low)},
                                {"high", number(drawn.colour_bar.high)},
                                {"colours", drawn.colour_bar.colours}};
-    folder.write(below / "colours.json", meaning.dump(2) + "\n");
+    folder.write(below / colours_file, meaning.dump(2) + "\n");
     return names;
 }
 

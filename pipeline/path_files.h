@@ -28,6 +28,16 @@ template <int Dim>
 [[nodiscard]] std::string pack(const DrawnPath& drawn);
 [[nodiscard]] DrawnPath unpack(const std::string& bytes);
 
+/// The folder of a path of the report, below paths/: a name that every file system takes.
+[[nodiscard]] std::string path_folder(std::size_t number, const std::string& a, const std::string& b);
+/// Whether a name is one that path_folder gives.
+[[nodiscard]] bool is_path_folder(const std::string& name);
+/// Whether a name is that of a file which only the export of a path writes; the others in its folder are the user's.
+[[nodiscard]] bool is_path_file(const std::filesystem::path& name);
+
+/// The file that says which pair exported solids belong to.
+inline constexpr const char* solids_mark = "solids.key";
+
 /// Writes the frames of a path into a folder below the study (or output) folder: step-00.png, ... and colours.json,
 /// which says what the colours mean. Returns the names of the frames.
 std::vector<std::string> write_path_files(const StudyFolder& folder, const std::filesystem::path& below,

@@ -115,20 +115,6 @@ std::string number_text(const char* format, double value) {
     return text;
 }
 
-/// A name that is a folder of its own on every file system.
-std::string path_folder(std::size_t number, const std::string& a, const std::string& b) {
-    std::string name = std::to_string(number + 1);
-    name.insert(0, name.size() < 3 ? 3 - name.size() : 0, '0');
-    for (const std::string* part : {&a, &b}) {
-        name += '_';
-        for (const char c : part->substr(0, part->rfind('.')).substr(0, 60)) {
-            const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
-            name += plain ? c : '-';
-        }
-    }
-    return name;
-}
-
 template <int Dim>
 void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                Progress& progress, const StudyView& view, AnalysedStudy& analysed) {

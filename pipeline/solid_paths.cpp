@@ -12,13 +12,12 @@
 #include "datasets/vdb_files.h"
 #include "pipeline/colour_map.h"
 #include "pipeline/common_frame.h"
+#include "pipeline/path_files.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* mark_file = "solids.key";
 
 RgbaImage to_rgba(const datasets::PixelImage& image) {
     RgbaImage result(image.width, image.height);
@@ -84,8 +83,44 @@ datasets::Rotation turn_about(int axis, double degrees) {
     return turn;
 }
 
+/// The folders of paths in a folder. Links are none: what they lead to is not the program's.
+std::vector<fs::path> path_folders_in(const fs::path& folder) {
+    std::vector<fs::path> found;
+    std::error_code error;
+    fs::directory_iterator it(folder, error);
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+        std::error_code ignored;
+        const bool real = fs::is_directory(it->symlink_status(ignored));
+        if (real && is_path_folder(it->path().filename().string())) found.push_back(it->path());
+    }
+    return found;
+}
+
+/// Calls f with every file in the folder of a path that the program wrote; then removes the folder if nothing else is
+/// in it.
+template <class F>
+void empty_path_folder(const fs::path& folder, const F& f) {
+    std::vector<fs::path> files;
+    std::error_code error;
+    fs::directory_iterator it(folder, error);
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+        if (is_path_file(it->path().filename())) files.push_back(it->path());
+    }
+    for (const fs::path& file : files) f(file);
+    fs::remove(folder, error);
+}
+
+/// Removes the paths in a folder, and the folder if nothing else is in it.
+void remove_paths(const fs::path& folder) {
+    std::error_code ignored;
+    for (const fs::path& path : path_folders_in(folder)) {
+        empty_path_folder(path, [&](const fs::path& file) { fs::remove(file, ignored); });
+    }
+    if (fs::is_directory(fs::symlink_status(folder, ignored))) fs::remove(folder, ignored);
+}
+
 std::string key_in(const fs::path& folder) {
-    std::ifstream in(folder / mark_file);
+    std::ifstream in(folder / solids_mark);
     std::string key;
     std::getline(in, key);
     return key;
@@ -218,15 +253,21 @@ std::vector<std::string> write_path_solids(const StudyFolder& folder, const fs::
 }
 
 KeptSolids::KeptSolids(const StudyFolder& folder) : folder_(folder), aside_(folder.path() / "paths.old") {
-    std::error_code ignored;
-    fs::remove_all(aside_, ignored);
-    fs::rename(folder_.paths(), aside_, ignored);
-    fs::remove_all(folder_.paths(), ignored);  // if the folder could not be moved
+    remove_paths(aside_);
+    for (const fs::path& path : path_folders_in(folder_.paths())) {
+        const fs::path target = aside_ / path.filename();
+        std::error_code error;
+        fs::create_directories(target, error);
+        empty_path_folder(path, [&](const fs::path& file) {
+            fs::rename(file, target / file.filename(), error);
+            if (error) fs::remove(file, error);  // then it is drawn again
+        });
+    }
+    remove_paths(folder_.paths());
 }
 
 KeptSolids::~KeptSolids() {
-    std::error_code ignored;
-    fs::remove_all(aside_, ignored);
+    remove_paths(aside_);
 }
 
 bool KeptSolids::take(const std::string& key, const fs::path& below) const {
@@ -252,7 +293,7 @@ bool KeptSolids::take(const std::string& key, const fs::path& below) const {
 }
 
 void KeptSolids::mark(const std::string& key, const fs::path& below) const {
-    folder_.write(below / mark_file, key + "\n");
+    folder_.write(below / solids_mark, key + "\n");
 }
 
 }  // namespace morphodesic::pipeline

@@ -37,7 +37,7 @@ std::vector<std::string> write_path_solids(const StudyFolder& folder, const std:
 /// Exported solids of an earlier report: kept while the same paths are drawn, so that they are not computed again.
 class KeptSolids {
 public:
-    /// Moves the folder aside. @throws StoreError
+    /// Moves the files of the paths aside; whatever else lies in paths/ stays.
     explicit KeptSolids(const StudyFolder& folder);
     /// Removes what nobody took.
     ~KeptSolids();

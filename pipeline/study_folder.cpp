@@ -6,7 +6,12 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <set>
+#include <stdexcept>
 #include <system_error>
+
+#include "datasets/folder_scan.h"
 
 namespace morphodesic::pipeline {
 
@@ -25,7 +30,22 @@ std::string remedy(int error) {
                "; a folder stands where a file must be, or a file where a folder must be: move it away, then give the "
                "same command again";
     }
+    if (error == ELOOP) {
+        return "is a link, and what it leads to would be overwritten; remove it, then give the same command again";
+    }
     return "cannot be written: " + what + "; check its permissions, or use another study folder";
+}
+
+constexpr const char* owner_begin = "process ";  // what a lock file says first
+
+/// A lock file of this program. It is empty if the process died before it wrote its name.
+bool is_lock(const fs::path& file) {
+    std::error_code error;
+    if (!fs::is_regular_file(fs::symlink_status(file, error))) return false;
+    std::string text(std::string_view(owner_begin).size(), ' ');
+    std::ifstream in(file, std::ios::binary);
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    return in.gcount() == 0 || text == owner_begin;
 }
 
 }  // namespace
@@ -37,7 +57,26 @@ StudyFolder StudyFolder::of_collection(const fs::path& collection) {
     return StudyFolder(folder);
 }
 
+void StudyFolder::refuse_if_foreign() const {
+    std::error_code error;
+    if (!fs::is_directory(path_, error)) return;
+    std::set<std::string> names;
+    fs::directory_iterator it(path_, error);
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+        names.insert(it->path().filename().string());
+    }
+    if (error) {
+        throw StoreError(path_, "the folder cannot be looked at: " + error.message() +
+                                    "; check its permissions, or choose another one with --out");
+    }
+    if (names.empty() || is_lock(lock()) || !datasets::results_in(names).empty()) return;
+    throw std::invalid_argument(path_.string() +
+                                ": the folder is not empty and holds no results of this program, which could replace "
+                                "your files; choose another one with --out");
+}
+
 void StudyFolder::create() const {
+    refuse_if_foreign();
     std::error_code error;
     fs::create_directories(path_, error);
     if (error || !fs::is_directory(path_)) {
@@ -52,7 +91,7 @@ void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
     std::error_code ignored;
     fs::create_directories(target.parent_path(), ignored);
     const std::string temporary = target.string() + ".part";
-    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0) throw StoreError(target, remedy(errno));
     int error = 0;
     for (std::size_t done = 0; done < bytes.size() && error == 0;) {
@@ -80,8 +119,8 @@ void StudyFolder::remove(const fs::path& name) const {
 }
 
 StudyLock::StudyLock(const StudyFolder& folder) {
-    const fs::path file = folder.path() / "study.lock";
-    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    const fs::path file = folder.lock();
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) throw StoreError(file, remedy(errno));
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         char owner[256] = {};
@@ -93,8 +132,8 @@ StudyLock::StudyLock(const StudyFolder& folder) {
     }
     char host[128] = "unknown";
     ::gethostname(host, sizeof host - 1);
-    const std::string owner = "process " + std::to_string(::getpid()) + " on " + host;
-    // For the message of a second process only; the lock itself does not depend on it.
+    const std::string owner = owner_begin + std::to_string(::getpid()) + " on " + host;
+    // For the message of a second process and as the mark of the folder; the lock itself does not depend on it.
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, owner.data(), owner.size(), 0) < 0) return;
 }
 

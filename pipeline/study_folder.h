@@ -8,7 +8,7 @@
 
 namespace morphodesic::pipeline {
 
-/// Names of what a study folder holds.
+/// Names of what a study folder, or another folder of results, holds.
 class StudyFolder {
 public:
     explicit StudyFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -16,11 +16,16 @@ public:
     /// The study folder of a collection: beside it, with the ending .study.
     [[nodiscard]] static StudyFolder of_collection(const std::filesystem::path& collection);
 
-    /// Makes the folder if it is not there. @throws StoreError if that is not possible
+    /// Refuses a folder that holds files, but none by which this program knows its own folders: its files have plain
+    /// names, and would take the place of others.
+    /// @throws std::invalid_argument, StoreError if the folder cannot be looked at
+    void refuse_if_foreign() const;
+    /// Makes the folder if it is not there. @throws as refuse_if_foreign, StoreError if it cannot be made
     void create() const;
 
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] std::filesystem::path store() const { return path_ / "study.sqlite"; }
+    [[nodiscard]] std::filesystem::path lock() const { return path_ / "study.lock"; }
     [[nodiscard]] std::filesystem::path paths() const { return path_ / "paths"; }
 
     /// Writes a file of the study so that a reader sees the old or the new one, never a half.
@@ -34,8 +39,9 @@ private:
     std::filesystem::path path_;
 };
 
-/// Held by the one process that works on a study. A second one is told who is at work and ends; when a process dies,
-/// its lock goes with it.
+/// Held by the one process that works on a study, or writes into another folder of results. A second one is told who is
+/// at work and ends; when a process dies, its lock goes with it. The file stays: it is the first one in a folder, so it
+/// tells whose folder that is also where everything else is missing.
 class StudyLock {
 public:
     /// @throws StoreError if another process holds the lock or the folder may not be written

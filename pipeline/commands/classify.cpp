@@ -446,6 +446,7 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
     run.evaluate();
     const StudyFolder folder(results_folder(options));
     folder.create();
+    const StudyLock lock(folder);
     Summary summary;
     summary.data = to_json(run);
     folder.write("classification.csv", queries_csv(run));
@@ -482,6 +483,7 @@ int classify(const ClassifyCommandOptions& options) {
                                          ? ": is a file; --templates wants a folder of shapes or a study"
                                          : ": there is no such folder of templates"));
     }
+    StudyFolder(results_folder(options)).refuse_if_foreign();  // before the work, not after it
     QueryList list;
     if (!options.leave_one_out) list = list_queries(options);
     Progress progress(Progress::style_of_stderr(options.common.quiet));

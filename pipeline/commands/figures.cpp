@@ -14,6 +14,7 @@
 #include "pipeline/progress.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
+#include "pipeline/study_folder.h"
 #include "reports/figures.h"
 
 namespace morphodesic::pipeline {
@@ -59,9 +60,10 @@ int figures(const FiguresOptions& options) {
     const auto threads = static_cast<std::size_t>(thread_count(options.common));
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const auto kinds = chosen(options.keys);
+    const StudyFolder folder(options.out);
+    folder.create();
+    const StudyLock lock(folder);
     std::error_code error;
-    fs::create_directories(options.out, error);
-    if (error) throw StoreError(options.out, "cannot be created: " + error.message());
     if (const auto parent = options.markdown.parent_path(); !parent.empty()) fs::create_directories(parent, error);
     if (error) throw StoreError(options.markdown, "cannot be created: " + error.message());
 

@@ -103,6 +103,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     if (!options.out.empty() && !path.shapes.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
+        const StudyLock lock(folder);
         remove_former_pictures(folder.path());
         SolidView view;
         if constexpr (Dim == 3) view = view_of_path(path, b.row.name);
@@ -126,6 +127,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
 int geodesic(const PairOptions& options) {
     const auto threads = static_cast<std::size_t>(thread_count(options.common));
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    if (!options.out.empty()) StudyFolder(options.out).refuse_if_foreign();  // before the work, not after it
     const datasets::ShapeSource a = datasets::single_source(options.a), b = datasets::single_source(options.b);
     if (a.dimension != b.dimension) {
         throw std::invalid_argument("one of the two shapes is 2D and the other 3D; give two of a kind");

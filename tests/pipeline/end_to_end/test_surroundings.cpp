@@ -88,6 +88,8 @@ TEST_F(Surroundings, ResultsOfEveryCommandInsideTheCollectionAreSkipped) {
 }
 
 TEST_F(Surroundings, WhatStandsWhereAFileGoesIsSaid) {
+    ASSERT_EQ(run().code, 0);
+    fs::remove(folder / "disks.study/distances.csv");
     fs::create_directories(folder / "disks.study/distances.csv/x");
     const Outcome done = run();
     EXPECT_EQ(done.code, 3);
@@ -95,6 +97,93 @@ TEST_F(Surroundings, WhatStandsWhereAFileGoesIsSaid) {
     fs::remove_all(folder / "disks.study/distances.csv");
     ASSERT_EQ(run().code, 0);
     EXPECT_TRUE(fs::is_regular_file(folder / "disks.study/distances.csv"));
+}
+
+TEST_F(Surroundings, AFolderOfOthersIsRefusedAndLeftAsItIs) {
+    ASSERT_EQ(run().code, 0);
+    const std::string table = (folder / "disks.study/distances.csv").string(), first = disks() + "/disk-01.png",
+                      home = (folder / "home").string();
+    write_file(folder / "home/paths/thesis.txt", "thesis");
+    write_file(folder / "home/placed.csv", "mine");
+    write_file(folder / "home/report.html", "mine too");
+    write_file(folder / "home/figures/path_to_work.png", "a map");
+    const std::string before = shell("cd '" + home + "' && find . -type f | sort | xargs md5sum; find .").out;
+    for (const std::vector<std::string>& command : {quick({"run", disks(), "--paths", "none"}),
+                                                    quick({"ingest", disks()}),
+                                                    {"report", table},
+                                                    {"analyze", table},
+                                                    {"figures", "2", "--quick"},
+                                                    quick({"geodesic", first, disks() + "/disk-02.png"}),
+                                                    quick({"classify", first, "--templates", disks()})}) {
+        std::vector<std::string> words = command;
+        words.insert(words.end(), {"--out", home});
+        const Outcome done = morphodesic(words);
+        EXPECT_EQ(done.code, 2) << command.front();
+        EXPECT_THAT(done.err, testing::AllOf(HasSubstr(home + ": the folder is not empty"), HasSubstr("--out")));
+    }
+    EXPECT_EQ(shell("cd '" + home + "' && find . -type f | sort | xargs md5sum; find .").out, before);
+    fs::create_directories(folder / "empty");
+    EXPECT_EQ(run({"--out", (folder / "empty").string()}).code, 0);
+}
+
+TEST_F(Surroundings, FoldersOfThisProgramAreKnownAgain) {
+    // A process that died before it wrote anything else.
+    write_file(folder / "begun/study.lock", "");
+    ASSERT_EQ(run({"--out", (folder / "begun").string()}).code, 0);
+    // A study whose store was moved away, also one that is a copy without the lock.
+    fs::remove(folder / "begun/study.sqlite");
+    EXPECT_EQ(run({"--out", (folder / "begun").string()}).code, 0);
+    fs::remove(folder / "begun/study.sqlite");
+    fs::remove(folder / "begun/study.lock");
+    EXPECT_EQ(run({"--out", (folder / "begun").string()}).code, 0);
+    const std::string first = disks() + "/disk-01.png";
+    for (const std::vector<std::string>& command : {{"report", (folder / "begun/distances.csv").string()},
+                                                    quick({"geodesic", first, disks() + "/disk-02.png"}),
+                                                    quick({"classify", first, "--templates", disks()})}) {
+        for (int time = 1; time <= 3; ++time) {
+            std::vector<std::string> words = command;
+            words.insert(words.end(), {"--quiet", "--out", (folder / command.front()).string()});
+            const Outcome done = morphodesic(words);
+            EXPECT_EQ(done.code, 0) << command.front() << " for the time " << time << ": " << done.err;
+            if (time == 2) fs::remove(folder / command.front() / "study.lock");
+        }
+    }
+}
+
+TEST_F(Surroundings, OfTheFoldersOfPathsOnlyWhatTheProgramWroteGoes) {
+    ASSERT_EQ(run().code, 0);
+    const fs::path paths = folder / "disks.study/paths";
+    std::vector<fs::path> drawn(fs::directory_iterator(paths), fs::directory_iterator{});
+    ASSERT_EQ(drawn.size(), 3U);
+    const fs::path noted = drawn.front();
+    write_file(noted / "note.txt", "look here");
+    write_file(noted / "step-00.png.part", "of a run that was killed");
+    write_file(paths / "thesis.txt", "thesis");
+    write_file(paths / "holidays/step-00.png", "stairs");
+    write_file(folder / "elsewhere/step-00.png", "mine");
+    fs::create_directory_symlink(folder / "elsewhere", paths / "007_a_b");
+    write_file(folder / "disks.study/paths.old/mine.txt", "old");
+    ASSERT_EQ(run({"--paths", "none"}).code, 0);
+    EXPECT_EQ(std::vector<fs::path>(fs::directory_iterator(noted), fs::directory_iterator{}),
+              std::vector<fs::path>{noted / "note.txt"});
+    EXPECT_FALSE(fs::exists(drawn.back()));
+    for (const fs::path& file : {paths / "thesis.txt", paths / "holidays/step-00.png", folder / "elsewhere/step-00.png",
+                                 folder / "disks.study/paths.old/mine.txt"}) {
+        EXPECT_TRUE(fs::exists(file)) << file;
+    }
+    ASSERT_EQ(run().code, 0);
+    EXPECT_TRUE(fs::exists(noted / "colours.json"));
+}
+
+TEST_F(Surroundings, ALockThatIsALinkIsNotFollowed) {
+    ASSERT_EQ(run().code, 0);
+    write_file(folder / "letter.txt", "Dear all");
+    fs::remove(folder / "disks.study/study.lock");
+    fs::create_symlink(folder / "letter.txt", folder / "disks.study/study.lock");
+    const Outcome done = run();
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, HasSubstr("study.lock: is a link"));
+    EXPECT_EQ(read_file(folder / "letter.txt"), "Dear all");
 }
 
 TEST_F(Surroundings, AFolderWithoutPermissionIsNamedWithWhatToDo) {
