@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstdio>
 #include <map>
 #include <set>
@@ -22,15 +21,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* files_to_read = "files_to_read";  // fact: how many; "0" once all were
 
-std::string exact(double x) {
-    char buffer[32];
-    return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
-}
-
-double exact_from(const std::string& text) {
-    double x = 0.0;
-    std::from_chars(text.data(), text.data() + text.size(), x);
-    return x;
+/// The folder as the store knows it.
+std::string folder_text(const fs::path& folder) {
+    return fs::absolute(folder).lexically_normal().string();
 }
 
 /// Everything that decides what is read from a file.
@@ -43,7 +36,7 @@ std::string reading_digest(const datasets::ShapeSource& source, const std::strin
 }
 
 std::string placing_digest(const std::string& reading, const datasets::NormalizeOptions& placement) {
-    return digest(reading + "\n" + placement.mode + " " + exact(placement.scale) + " " +
+    return digest(reading + "\n" + placement.mode + " " + exact_text(placement.scale) + " " +
                   std::to_string(placement.level));
 }
 
@@ -155,36 +148,28 @@ std::string size_warning_of(const Collection& collection) {
     return size_warning(sizes);
 }
 
-/// What a frozen scale belongs to: the options that decide what is read. Limits only decide whether.
-std::string scale_key_of(datasets::ImportOptions options) {
-    const datasets::ImportOptions defaults;
-    options.max_megabytes = defaults.max_megabytes;
-    options.max_megapixels = defaults.max_megapixels;
-    return "common_scale of " + digest(canonical_text(options));
+/// The common scale for the shapes that can be used.
+CommonScale common_scale_of(const Collection& collection, const ResultStore& store) {
+    std::vector<SizedFile> files;
+    for (const CollectionEntry& entry : collection.entries) {
+        const StoredShape& row = entry.row;
+        if (row.problem.empty()) files.push_back({row.name, row.file_digest, row.extent_radius});
+    }
+    return choose_common_scale(files, collection.import, store);
 }
 
-/// The scale of the collection: the frozen one where all shapes fit, else a new one; 0 if there is none to place. One
-/// is kept for each way of reading, so that whoever comes back to the options of before finds the distances of before.
-double scale_of(const Collection& collection, const ResultStore& store, std::vector<std::string>& remarks) {
-    std::vector<double> radii;
-    for (const CollectionEntry& entry : collection.entries) {
-        if (entry.row.problem.empty()) radii.push_back(entry.row.extent_radius);
-    }
-    if (radii.empty()) return 0.0;
-    const double needed = datasets::common_scale(radii);
-    auto frozen = store.fact(scale_key_of(collection.import));
-    // Studies of older programs have one scale only.
-    if (!frozen && store.fact("common_scale_key") == canonical_text(collection.import)) {
-        frozen = store.fact("common_scale");
-    }
-    if (frozen) {
-        const double scale = exact_from(*frozen);
-        if (scale <= needed * (1 + 1e-12)) return scale;
-        remarks.push_back(
-            "A new shape is larger than all before and does not fit at the scale of this study; all shapes "
-            "are placed at a smaller scale and all pairs are computed anew.");
-    }
-    return needed;
+/// Says so if the study was made from a folder of other shapes; else empty.
+/// @param known  what the store has
+std::string remark_on_origin(const fs::path& folder, const Collection& collection,
+                             const std::map<std::string, StoredShape>& known, const ResultStore& store) {
+    std::set<std::string> digests;
+    for (const auto& [name, shape] : known) digests.insert(shape.file_digest);
+    const std::string before = store.fact("folder").value_or("");
+    const bool shared = std::any_of(collection.entries.begin(), collection.entries.end(),
+                                    [&](const auto& entry) { return digests.contains(entry.row.file_digest); });
+    if (known.empty() || before.empty() || shared || before == folder_text(folder)) return "";
+    return "This study was made from the folder " + before + ", and " + folder.string() +
+           " has none of its shapes. If a study of its own is meant, choose another folder with --out.";
 }
 
 [[noreturn]] void refuse_without_shapes(const ResultStore& store) {
@@ -240,8 +225,13 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import, kept_bytes); });
     });
     if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
+    if (const std::string remark = remark_on_origin(folder, collection, known, store); !remark.empty()) {
+        collection.remarks.push_back(remark);
+    }
     if (settings.normalize == "common") {
-        collection.placement.scale = scale_of(collection, store, collection.remarks);
+        collection.common = common_scale_of(collection, store);
+        collection.placement.scale = collection.common.scale;
+        if (!collection.common.remark.empty()) collection.remarks.push_back(collection.common.remark);
         collection.size_warning = size_warning_of(collection);
         if (!collection.size_warning.empty()) collection.remarks.push_back(collection.size_warning);
     }
@@ -268,16 +258,11 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
 }
 
 void settle_collection(const fs::path& folder, const Collection& collection, ResultStore& store) {
-    if (collection.placement.mode == "common" && collection.placement.scale > 0) {
-        const std::string scale = exact(collection.placement.scale);
-        for (const std::string& fact : {std::string("common_scale"), scale_key_of(collection.import)}) {
-            if (store.fact(fact) != scale) store.set_fact(fact, scale);
-        }
-    }
+    keep_common_scale(collection.common, store);
     store.set_fact("size_warning", collection.size_warning);
     if (!collection.gone.empty()) store.remove_shapes(collection.gone);
     store.set_fact("dimension", std::to_string(collection.dimension));
-    store.set_fact("folder", fs::absolute(folder).lexically_normal().string());
+    store.set_fact("folder", folder_text(folder));
 }
 
 void begin_reading(ResultStore& store, std::size_t files) {

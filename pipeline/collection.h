@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/import.h"
+#include "pipeline/common_scale.h"
 #include "pipeline/progress.h"
 #include "pipeline/result_store.h"
 #include "pipeline/run_settings.h"
@@ -30,6 +31,7 @@ struct Collection {
     std::vector<CollectionEntry> entries;  ///< sorted by name
     datasets::ImportOptions import;
     datasets::NormalizeOptions placement;
+    CommonScale common;                 ///< where shapes are placed at one scale
     std::vector<std::string> remarks;   ///< what a user should know, one sentence each
     std::vector<std::string> left_out;  ///< problems of the scan: folders, links, files of the other dimension
     std::vector<std::string> gone;      ///< names of files of the last run that are no longer in the folder
@@ -45,9 +47,8 @@ struct SizedName {
 /// A sentence with advice if sizes that are to be placed at one scale differ by more than a factor of five; else empty.
 [[nodiscard]] std::string size_warning(const std::vector<SizedName>& sizes);
 
-/// Scans the folder, finds out which files are new or changed and measures them, and finds the common scale. The scale
-/// is frozen in the store: more files leave it as it is, unless one of them does not fit. The store is only read:
-/// settle_collection writes down what was found.
+/// Scans the folder, finds out which files are new or changed and measures them, and finds the common scale, see
+/// choose_common_scale. The store is only read: settle_collection writes down what was found.
 /// @throws datasets::ReadError if the folder cannot be read, StoreError, std::invalid_argument for broken settings
 [[nodiscard]] Collection prepare_collection(const std::filesystem::path& folder, const RunSettings& settings,
                                             const ResultStore& store, Progress& progress);

@@ -103,6 +103,50 @@ TEST(Study, AShapeThatDoesNotFitRescalesAllAndSaysSo) {
     EXPECT_THAT(again.err, HasSubstr("does not fit"));
 }
 
+TEST(Study, AStrayFileThatIsGoneAgainDoesNotKeepTheOthersSmall) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    ASSERT_EQ(morphodesic({"datasets", "disks", "--out", (folder / "stray").string(), "--count", "1", "--size", "900",
+                           "--quiet"})
+                  .code,
+              0);
+    const fs::path stray = folder / "disks/stray.png";
+    fs::copy_file(folder / "stray/disk-01.png", stray);
+    const auto command = quick({"run", (folder / "disks").string(), "--json"});
+    ASSERT_EQ(json::parse(morphodesic(command).out)["pairs_computed"], 6);
+    const std::string with_stray = read_file(folder / "disks.study/distances.csv");
+    fs::rename(stray, folder / "aside.png");
+    const Outcome without = morphodesic(command);
+    EXPECT_EQ(json::parse(without.out)["pairs_computed"], 3);
+    EXPECT_THAT(without.err, HasSubstr("up to 3 pairs to compute"));
+    const auto fresh = quick({"run", (folder / "disks").string(), "--out", (folder / "fresh").string(), "--quiet"});
+    ASSERT_EQ(morphodesic(fresh).code, 0);
+    EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), read_file(folder / "fresh/distances.csv"));
+    EXPECT_THAT(morphodesic(command).err, testing::Not(HasSubstr("scale")));
+    fs::rename(folder / "aside.png", stray);  // its pairs, and those of the others at its scale, are still there
+    EXPECT_EQ(json::parse(morphodesic(command).out)["pairs_computed"], 0);
+    EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), with_stray);
+}
+
+TEST(Study, MadeFromAnotherFolderIsNotTakenOverInSilence) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    ASSERT_EQ(morphodesic({"datasets", "disks", "--out", (folder / "others").string(), "--count", "2", "--size", "48",
+                           "--quiet"})
+                  .code,
+              0);
+    const std::string study = (folder / "study").string();
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--out", study, "--quiet"})).code, 0);
+    const Outcome other = morphodesic(quick({"run", (folder / "others").string(), "--out", study}));
+    EXPECT_EQ(other.code, 0);
+    EXPECT_THAT(other.err, HasSubstr("This study was made from the folder " + (folder / "disks").string() + ", and "));
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "others").string(), "--quiet"})).code, 0);
+    EXPECT_EQ(read_file(folder / "study/distances.csv"), read_file(folder / "others.study/distances.csv"));
+    fs::rename(folder / "others", folder / "moved");
+    const Outcome moved = morphodesic(quick({"run", (folder / "moved").string(), "--out", study}));
+    EXPECT_THAT(moved.err, testing::Not(HasSubstr("This study was made from")));
+}
+
 TEST(Study, SettingsNeverMixAndOldResultsStay) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
