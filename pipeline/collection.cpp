@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* files_to_read = "files_to_read";  // fact: how many; "0" once all were
+constexpr const char* files_to_read = "files_to_read";      // fact: how many; "0" once all were
+constexpr const char* reading_command = "reading_command";  // fact: the command that reads them
 
 /// The folder as the store knows it.
 std::string folder_text(const fs::path& folder) {
@@ -265,30 +266,42 @@ void settle_collection(const fs::path& folder, const Collection& collection, Res
     store.set_fact("folder", folder_text(folder));
 }
 
-void begin_reading(ResultStore& store, std::size_t files) {
+void begin_reading(ResultStore& store, std::size_t files, const std::string& command) {
+    store.set_fact(reading_command, command);
     store.set_fact(files_to_read, std::to_string(files));
 }
 
 void end_reading(ResultStore& store) {
-    if (store.fact(files_to_read).value_or("0") != "0") store.set_fact(files_to_read, "0");
+    if (store.fact(files_to_read).value_or("0") == "0") return;
+    store.set_fact(files_to_read, "0");
 }
 
 std::string unfinished_reading(const ResultStore& store) {
-    const std::string files = store.fact(files_to_read).value_or("0");
-    if (files == "0") return "";
-    const fs::path study = store.file().parent_path();
-    return study.string() + ": reading its " + files +
-           " files was stopped before all were taken in; finish it with: morphodesic ingest " +
-           store.fact("folder").value_or("FOLDER") + " --out " + study.string();
+    const std::string study = store.file().parent_path().string();
+    const auto command = [&] {
+        const std::string given = store.fact(reading_command).value_or("");
+        return !given.empty() ? given
+                              : "morphodesic ingest " + store.fact("folder").value_or("FOLDER") + " --out " + study +
+                                    " (and the options that the study was made with)";
+    };
+    if (const std::string files = store.fact(files_to_read).value_or("0"); files != "0") {
+        return study + ": reading its " + files +
+               " files was stopped before all were taken in; finish it with: " + command();
+    }
+    return "";
+}
+
+void refuse_unfinished_reading(const ResultStore& store) {
+    if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
+        throw std::invalid_argument(unfinished);
+    }
 }
 
 Collection stored_collection(const ResultStore& store) {
     Collection collection;
     collection.dimension = store.fact("dimension") == "3" ? 3 : 2;
     for (StoredShape& shape : store.shapes()) collection.entries.push_back({{}, std::move(shape), false});
-    if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
-        throw std::invalid_argument(unfinished);
-    }
+    refuse_unfinished_reading(store);
     if (collection.entries.empty()) refuse_without_shapes(store);
     return collection;
 }

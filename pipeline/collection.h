@@ -65,10 +65,13 @@ void settle_collection(const std::filesystem::path& folder, const Collection& co
 [[nodiscard]] RunSettings settings_of_study(const ResultStore& store);
 
 /// Notes in the store that the files of a collection are being read, or that all have been.
-void begin_reading(ResultStore& store, std::size_t files);
+/// @param command  that reads them again with the same options
+void begin_reading(ResultStore& store, std::size_t files, const std::string& command);
 void end_reading(ResultStore& store);
 /// A sentence with remedy if reading was stopped before all files were taken in; else empty.
 [[nodiscard]] std::string unfinished_reading(const ResultStore& store);
+/// @throws std::invalid_argument with that sentence
+void refuse_unfinished_reading(const ResultStore& store);
 
 /// A shape ready for pairs.
 template <int Dim>

@@ -184,9 +184,7 @@ int plan(const ShardOptions& options) {
     expect_store(folder.store());
     const StudyLock lock(folder);
     ResultStore store(folder.store(), ResultStore::Access::write);
-    if (const std::string unfinished = unfinished_reading(store); !unfinished.empty()) {
-        throw std::invalid_argument(unfinished);
-    }
+    refuse_unfinished_reading(store);
     const RunSettings settings = settings_of_study(store);
     const StudyRounds rounds = rounds_of(store, settings);
     const GeodesicOptions& geodesic = rounds.screened() ? rounds.levels[rounds.screening.level] : settings.geodesic;

@@ -119,7 +119,7 @@ PairGraphSummary compute(Workplace& at, const Collection& collection, const Stud
     graph.begin = [&] {
         if (from_files) settle_collection(options.collection, collection, *at.store);
         settle_settings(at, options.settings);
-        if (from_files) begin_reading(*at.store, collection.entries.size());
+        if (from_files) begin_reading(*at.store, collection.entries.size(), options.command);
         if (!solve || !options.retry_failed) return;
         for (const GeodesicOptions& level : screening_levels(geodesic, options.settings.pairs.neighbors)) {
             at.store->remove_failures(settings_hash(level));

@@ -241,7 +241,9 @@ TEST_F(DisturbedStore, AnUnfinishedReadingIsNotTakenForTheWholeCollection) {
     }
     const Outcome report = morphodesic({"report", study});
     EXPECT_EQ(report.code, 1);
-    EXPECT_THAT(report.out, HasSubstr("finish it with: morphodesic ingest"));
+    // With the options of the study, not those of a preset.
+    EXPECT_THAT(report.out, HasSubstr("finish it with: morphodesic run " + (folder_ / "disks").string() +
+                                      " --json --level 4 --steps 2 --starts 1"));
     EXPECT_THAT(read_file(folder_ / "disks.study/report.json"), HasSubstr("reading its 48 files was stopped"));
     EXPECT_EQ(morphodesic(command_).code, 0);
     EXPECT_EQ(morphodesic({"report", study}).code, 0);
