@@ -99,6 +99,29 @@ private:
     ShapeCache<Dim> cache_;
 };
 
+/// Comes after all nodes of a graph, so that nothing runs any more when they go. An exception that leaves the thread
+/// which waits, such as that of a thread that cannot be started, does not wait for the tasks by itself.
+class EndOfGraph {
+public:
+    explicit EndOfGraph(tbb::flow::graph& graph) : graph_(graph) {}
+    ~EndOfGraph() {
+        graph_.cancel();
+        for (bool idle = false; !idle;) {
+            try {
+                graph_.wait_for_all();
+                idle = true;
+            } catch (...) {
+                // Of a task, or another thread that cannot be started. The tasks that are left only end.
+            }
+        }
+    }
+    EndOfGraph(const EndOfGraph&) = delete;
+    EndOfGraph& operator=(const EndOfGraph&) = delete;
+
+private:
+    tbb::flow::graph& graph_;
+};
+
 }  // namespace
 
 template <int Dim>
@@ -205,6 +228,7 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
                 });
                 return flow::continue_msg();
             });
+        const EndOfGraph end(graph);
         flow::make_edge(input, import);
         flow::make_edge(import, schedule);
         flow::make_edge(flow::output_port<0>(schedule), queue);

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <iostream>
 
+#include "pipeline/process_limits.h"
+
 namespace morphodesic::pipeline {
 
 void Summary::add_remark(const std::string& remark) {
@@ -64,7 +66,10 @@ int Summary::print(const CommonOptions& options) {
 }
 
 int thread_count(const CommonOptions& options) {
-    return options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+    const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+    constexpr int of_libraries = 9;  // measured: what drawing the figures starts on top
+    expect_threads(threads + of_libraries);
+    return threads;
 }
 
 }  // namespace morphodesic::pipeline

@@ -26,7 +26,7 @@ struct Summary {
     int print(const CommonOptions& options);
 };
 
-/// Number of threads that --threads N means.
+/// Number of threads that --threads N means. @throws std::runtime_error if the system does not let them start
 [[nodiscard]] int thread_count(const CommonOptions& options);
 
 }  // namespace morphodesic::pipeline

@@ -199,6 +199,22 @@ TEST_F(Surroundings, AFolderWithoutPermissionIsNamedWithWhatToDo) {
     EXPECT_THAT(done.err, testing::AllOf(HasSubstr("study.sqlite"), HasSubstr("permissions")));
 }
 
+TEST_F(Surroundings, TooFewThreadsAreSaidBeforeAnythingBegins) {
+    if (sanitized) GTEST_SKIP() << "sanitizers start threads of their own";
+    // Limits of processes do not bind the administrator: as a user that nobody is, who may still write here.
+    const std::string nobody =
+        "setpriv --reuid 64321 --clear-groups --inh-caps +dac_override,+dac_read_search --ambient-caps "
+        "+dac_override,+dac_read_search ";
+    if (shell(nobody + "true").code != 0) GTEST_SKIP() << "only the administrator may try";
+    for (const char* limit : {"6", "8", "10"}) {
+        const Outcome done = shell("ulimit -u " + std::string(limit) + "; exec " + nobody + "\"$MORPHODESIC\" run '" +
+                                   disks() + "' --threads 4 --level 4 --steps 2 --starts 1 --quiet");
+        EXPECT_EQ(done.code, 3) << limit << done.err;
+        EXPECT_THAT(done.err, HasSubstr("raise the limit (ulimit -u"));
+        EXPECT_FALSE(fs::exists(folder / "disks.study"));
+    }
+}
+
 TEST_F(Surroundings, ATerminalThatGoesAwayStopsTheRunInGoodOrder) {
     ASSERT_EQ(
         morphodesic({"datasets", "matchstick", "--out", (folder / "men").string(), "--count", "9", "--quiet"}).code, 0);
