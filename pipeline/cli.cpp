@@ -18,6 +18,7 @@
 #include "pipeline/commands/figures.h"
 #include "pipeline/commands/solid_datasets.h"
 #include "pipeline/memory_limits.h"
+#include "pipeline/process_limits.h"
 #include "pipeline/standard_streams.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/store_error.h"
@@ -477,6 +478,11 @@ int parse_and_run(std::vector<std::string> arguments) {
     }
     try {
         parse(first);
+        for (const std::string& problem : {address_space_problem(), open_files_problem()}) {
+            if (problem.empty()) continue;
+            std::cerr << "morphodesic: " << problem << "\n";
+            return environment_failed;
+        }
         CommandLine second(defaults_after(first));
         parse(second);
         second.study.command = second.classify.command = repeat;
@@ -498,10 +504,6 @@ int parse_and_run(std::vector<std::string> arguments) {
             }
             for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";
             if (!problems.empty()) return bad_usage;
-        }
-        if (const std::string problem = address_space_problem(); !problem.empty()) {
-            std::cerr << "morphodesic: " << problem << "\n";
-            return environment_failed;
         }
         return second.action();
     } catch (const CLI::ParseError& error) {

@@ -199,6 +199,20 @@ TEST_F(Surroundings, AFolderWithoutPermissionIsNamedWithWhatToDo) {
     EXPECT_THAT(done.err, testing::AllOf(HasSubstr("study.sqlite"), HasSubstr("permissions")));
 }
 
+TEST_F(Surroundings, TooFewFilesThatMayBeOpenAreTheEnvironmentAndNotTheFolder) {
+    const auto limited = [&](const std::string& limit) {
+        return shell("ulimit " + limit + "; \"$MORPHODESIC\" run '" + disks() +
+                     "' --level 4 --steps 2 --starts 1 --quiet");
+    };
+    const Outcome few = limited("-n 8");
+    EXPECT_EQ(few.code, 3);
+    EXPECT_THAT(few.err, testing::AllOf(HasSubstr("raise the limit, e.g. with ulimit -n"),
+                                        testing::Not(HasSubstr("permissions"))));
+    EXPECT_FALSE(fs::exists(folder / "disks.study"));
+    const Outcome soft = limited("-S -n 8");  // a limit that the program may raise itself
+    EXPECT_EQ(soft.code, 0) << soft.err;
+}
+
 TEST_F(Surroundings, TooFewThreadsAreSaidBeforeAnythingBegins) {
     if (sanitized) GTEST_SKIP() << "sanitizers start threads of their own";
     // Limits of processes do not bind the administrator: as a user that nobody is, who may still write here.
