@@ -123,6 +123,12 @@ StudyLock::StudyLock(const StudyFolder& folder) {
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) throw StoreError(file, remedy(errno));
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        if (const int error = errno; error != EWOULDBLOCK) {
+            ::close(descriptor_);
+            throw StoreError(file, std::string("cannot be locked: ") + std::strerror(error) +
+                                       "; the file system may not know locks, as some of a network: use a study folder "
+                                       "on another disk");
+        }
         char owner[256] = {};
         const ssize_t size = ::read(descriptor_, owner, sizeof owner - 1);
         ::close(descriptor_);

@@ -1,7 +1,23 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
 
 #include "end_to_end/program.h"
 #include "pipeline/study_folder.h"
+
+namespace {
+int flock_error = 0;  // what flock reports in this program instead of locking; 0: it locks
+}
+
+extern "C" int flock(int file, int operation) noexcept {
+    if (flock_error == 0) return static_cast<int>(::syscall(SYS_flock, file, operation));
+    errno = flock_error;
+    return -1;
+}
 
 namespace morphodesic::pipeline {
 namespace {
@@ -31,6 +47,23 @@ TEST(StudyLock, IsHeldByOneAndFreeAfterwards) {
         EXPECT_THROW(StudyLock{study}, StoreError);
     }
     EXPECT_NO_THROW(StudyLock{study});
+}
+
+TEST(StudyLock, AFileSystemWithoutLocksIsNotAnotherProcess) {
+    const tests::TemporaryFolder folder;
+    const StudyFolder study(folder / "study");
+    study.create();
+    for (const int error : {ENOLCK, ENOSYS}) {
+        flock_error = error;
+        try {
+            const StudyLock lock(study);
+            ADD_FAILURE() << "no exception";
+        } catch (const StoreError& problem) {
+            EXPECT_THAT(problem.what(), testing::AllOf(testing::HasSubstr("study.lock: cannot be locked"),
+                                                       testing::Not(testing::HasSubstr("another process"))));
+        }
+        flock_error = 0;
+    }
 }
 
 }  // namespace
