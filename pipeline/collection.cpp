@@ -273,6 +273,7 @@ void begin_reading(ResultStore& store, std::size_t files, const std::string& com
 
 void end_reading(ResultStore& store) {
     if (store.fact(files_to_read).value_or("0") == "0") return;
+    store.seal_shape_count();
     store.set_fact(files_to_read, "0");
 }
 
@@ -287,6 +288,10 @@ std::string unfinished_reading(const ResultStore& store) {
     if (const std::string files = store.fact(files_to_read).value_or("0"); files != "0") {
         return study + ": reading its " + files +
                " files was stopped before all were taken in; finish it with: " + command();
+    }
+    if (const long lost = store.lost_shapes(); lost > 0) {
+        return study + ": the store has lost " + std::to_string(lost) + (lost == 1 ? " shape" : " shapes") +
+               " of the study; read the files again with: " + command();
     }
     return "";
 }

@@ -68,7 +68,8 @@ void settle_collection(const std::filesystem::path& folder, const Collection& co
 /// @param command  that reads them again with the same options
 void begin_reading(ResultStore& store, std::size_t files, const std::string& command);
 void end_reading(ResultStore& store);
-/// A sentence with remedy if reading was stopped before all files were taken in; else empty.
+/// A sentence with remedy if reading was stopped before all files were taken in, or if the store has lost some since;
+/// else empty.
 [[nodiscard]] std::string unfinished_reading(const ResultStore& store);
 /// @throws std::invalid_argument with that sentence
 void refuse_unfinished_reading(const ResultStore& store);

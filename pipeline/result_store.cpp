@@ -36,6 +36,10 @@ CREATE TABLE geodesics(a TEXT NOT NULL, b TEXT NOT NULL, settings TEXT NOT NULL,
 CREATE TABLE pictures(key TEXT PRIMARY KEY, bytes BLOB NOT NULL);
 )";
 
+constexpr const char* tables[] = {"study", "shapes", "level_sets", "settings", "geodesics", "pictures"};
+
+constexpr const char* shape_count = "shape_count";  // fact
+
 /// NaN and infinities have no JSON number; they travel as strings.
 json number_to_json(double x) {
     return std::isfinite(x) ? json(x) : json(std::isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
@@ -279,6 +283,28 @@ struct ResultStore::Impl {
                     "saved.sqlite && mv saved.sqlite study.sqlite; then give the same command again. Or "
                     "move it away: everything is computed again");
         }
+        expect_tables();
+    }
+    void expect_tables() const {
+        Statement find = database.prepare("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?");
+        for (const char* table : tables) {
+            if (!find.bind(1, table).step()) {
+                throw StoreError(database.file(),
+                                 "is damaged (its table " + std::string(table) +
+                                     " is missing); restore a copy, or move it away and give the "
+                                     "command that made the study again: everything is computed again");
+            }
+            find.reset();
+        }
+    }
+    /// The caller holds the mutex.
+    void set_fact(std::string_view key, std::string_view value) const {
+        Statement s = database.prepare("INSERT OR REPLACE INTO study VALUES(?1, ?2), ('seal of ' || ?1, ?3)");
+        s.bind(1, key).bind(2, value).bind(3, digest(value)).run();
+    }
+    [[nodiscard]] long shapes_there() const {
+        Statement count = database.prepare("SELECT count(*) FROM shapes");
+        return count.step() ? static_cast<long>(count.integer(0)) : 0;
     }
     [[nodiscard]] long long pragma(const std::string& name) const {
         Statement statement = database.prepare("PRAGMA " + name);
@@ -342,8 +368,7 @@ std::optional<std::string> ResultStore::fact(std::string_view key) const {
 
 void ResultStore::set_fact(std::string_view key, std::string_view value) {
     const std::scoped_lock lock(impl_->mutex);
-    Statement s = impl_->database.prepare("INSERT OR REPLACE INTO study VALUES(?1, ?2), ('seal of ' || ?1, ?3)");
-    s.bind(1, key).bind(2, value).bind(3, digest(value)).run();
+    impl_->set_fact(key, value);
 }
 
 std::vector<StoredShape> ResultStore::shapes() const {
@@ -395,7 +420,18 @@ void ResultStore::remove_shapes(const std::vector<std::string>& names) {
     Transaction transaction(impl_->database);
     Statement s = impl_->database.prepare("DELETE FROM shapes WHERE name = ?");
     for (const std::string& name : names) s.bind(1, name).run();
+    impl_->set_fact(shape_count, std::to_string(impl_->shapes_there()));
     transaction.commit();
+}
+
+void ResultStore::seal_shape_count() {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->set_fact(shape_count, std::to_string(impl_->shapes_there()));
+}
+
+long ResultStore::lost_shapes() const {
+    const auto sealed = fact(shape_count);
+    return sealed ? std::max(0L, std::stol(*sealed) - impl_->shapes_there()) : 0L;
 }
 
 bool ResultStore::has_level_set(std::string_view digest) const {

@@ -90,6 +90,10 @@ public:
     void put_shape(const StoredShape& shape);
     /// Takes files out of the collection; their geodesics stay for the day they come back.
     void remove_shapes(const std::vector<std::string>& names);
+    /// Writes down how many files the collection has, so that one whose row gets lost is missed.
+    void seal_shape_count();
+    /// How many rows are lost; 0 also where their number was never written down.
+    [[nodiscard]] long lost_shapes() const;
 
     /// Level sets by content digest, as 32-bit floats.
     [[nodiscard]] bool has_level_set(std::string_view digest) const;

@@ -39,7 +39,7 @@ struct StudyData {
     std::string coarse_note;              ///< says so, if there are any
     std::vector<bool> first_is_a;         ///< condensed: the path of `pairs` runs from the first to the second name
     std::vector<StudyFailure> failures;
-    std::string unfinished;            ///< a sentence if reading the files was stopped before the end; else empty
+    std::string unfinished;            ///< a sentence if shapes are missing, see unfinished_reading; else empty
     long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
     std::vector<std::string> remarks;  ///< e.g. damaged rows
     bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics

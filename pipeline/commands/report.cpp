@@ -185,6 +185,7 @@ int verify(const StudyOptions& options) {
     Progress progress(Progress::style_of_stderr(options.common.quiet));
     Summary summary;
     std::vector<StudyFailure> differing;
+    if (!data.unfinished.empty()) differing.push_back({"", "", data.unfinished});
     for (const std::string& damage : data.remarks) differing.push_back({"", "", damage});
     for (const StoredShape& shape : data.unusable) {
         if (shape.damaged) differing.push_back({shape.name, "", shape.problem});

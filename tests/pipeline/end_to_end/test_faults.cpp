@@ -249,6 +249,30 @@ TEST_F(DisturbedStore, AnUnfinishedReadingIsNotTakenForTheWholeCollection) {
     EXPECT_EQ(morphodesic({"report", study}).code, 0);
 }
 
+TEST_F(DisturbedStore, ARowOfAShapeThatIsLostIsMissed) {
+    const std::string study = (folder_ / "disks.study").string();
+    execute(store_, "DELETE FROM shapes WHERE name = 'disk-02.png'");
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"verify", study}, {"report", study}, {"analyze", study}}) {
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 1) << command.front() << done.err;
+        EXPECT_THAT(done.out, HasSubstr("has lost 1 shape of the study; read the files again with: morphodesic run"));
+    }
+    EXPECT_EQ(morphodesic({"geodesics", study}).code, 2);
+    EXPECT_EQ(morphodesic(command_).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+    fs::remove(folder_ / "disks/disk-02.png");  // that one is not lost
+    EXPECT_EQ(morphodesic(command_).code, 0);
+    EXPECT_EQ(morphodesic({"analyze", study}).code, 0);
+}
+
+TEST_F(DisturbedStore, ATableThatIsMissingIsSaidWithARemedy) {
+    execute(store_, "DROP TABLE geodesics");
+    const Outcome done = morphodesic(command_);
+    EXPECT_EQ(done.code, 3);
+    EXPECT_THAT(done.err, testing::AllOf(HasSubstr("its table geodesics is missing"), HasSubstr("move it away")));
+}
+
 TEST_F(DisturbedStore, ComingBackToTheOptionsOfBeforeGivesTheDistancesOfBefore) {
     std::vector<std::string> detour = command_;
     detour.insert(detour.end(), {"--max-megapixels", "32"});
