@@ -13,6 +13,7 @@
 #include "datasets/open_surface.h"
 #include "datasets/point_closing.h"
 #include "datasets/read_error.h"
+#include "datasets/strays.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/voxelize.h"
 #include "datasets/winding_number.h"
@@ -35,6 +36,12 @@ std::string percent(double share) {
 }
 std::string count(std::size_t n, const char* noun) {
     return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
+void note_strays(const Strays& strays, const char* noun, const char* whole, std::vector<std::string>& notes) {
+    if (strays.count == 0) return;
+    notes.push_back("Left out " + count(strays.count, noun) + " far from the object (" +
+                    number(100.0 * strays.share, "%.2g") + " % of the " + whole + ").");
 }
 
 /// Extent along the thinnest direction over the extent along the longest.
@@ -234,14 +241,17 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     if (mesh.triangles.empty() || !(surface_area(mesh) > 0.0)) {
         throw ReadError(file, "no triangle has an area", "export the surface again, in a format that keeps its faces");
     }
-    refuse_flat(mesh.points, file);
     if (cleaned.degenerate_triangles + cleaned.repeated_triangles > 0) {
         notes.push_back("Dropped " + count(cleaned.degenerate_triangles, "triangle") + " with two equal corners and " +
                         count(cleaned.repeated_triangles, "repeated triangle") + ".");
     }
-    const Patches patch = patches(mesh);
+    Patches patch = patches(mesh);
     const std::size_t turned = orient_patches(mesh, patch);
     if (turned > 0) notes.push_back("Turned " + count(turned, "triangle") + " to agree with the neighbours.");
+    const Strays strays = leave_out_strays(mesh, options.speck_fraction);
+    if (strays.count > 0) patch = patches(mesh);
+    note_strays(strays, "stray triangle", "area", notes);
+    refuse_flat(mesh.points, file);
     MeshTopology state = topology(mesh);
 
     const Box3 box = bounding_box(mesh.points);

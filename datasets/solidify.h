@@ -32,6 +32,7 @@ struct Solid {
 /// inside is where the generalised winding number exceeds 1/2. United and closed surfaces are rebuilt on a grid of
 /// options.cells cells, and what closes a hole is bent like a thin plate held by its rim. Surfaces with noise above
 /// 0.03 % of the object's size are smoothed before: noise is roughness that does not hang together from point to point.
+/// Stray pieces far from the object are left out first of all (strays.h).
 /// @param file  for messages
 /// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});
