@@ -14,6 +14,7 @@
 #include "datasets/point_closing.h"
 #include "datasets/read_error.h"
 #include "datasets/strays.h"
+#include "datasets/touching_parts.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/voxelize.h"
 #include "datasets/winding_number.h"
@@ -25,6 +26,7 @@ constexpr double rough = 3e-4;             // of the diagonal: less noise moves 
 constexpr double most_correlated = 0.25;   // of bumps about half of whose variance is noise
 constexpr double least_bump = 0.1;         // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
+constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
 
 std::string number(double value, const char* format = "%.3g") {
     char text[32];
@@ -115,6 +117,14 @@ std::vector<char> pull_to_surface(TriangleMesh& rebuilt, const TriangleTree& sur
         rebuilt.points[i] = nearest.point;
     });
     return is_off;
+}
+
+/// The parts of a closed surface as one, rebuilt on the grid.
+TriangleMesh united(const TriangleMesh& mesh, const TriangleTree& surface, const Lattice& lattice,
+                    const std::vector<std::int8_t>& winding) {
+    TriangleMesh result = isosurface(lattice, united_values(mesh, lattice, winding));
+    pull_to_surface(result, surface, lattice.spacing);
+    return result;
 }
 
 /// About so many pieces, evenly spread over the triangles.
@@ -255,25 +265,38 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     MeshTopology state = topology(mesh);
 
     const Box3 box = bounding_box(mesh.points);
-    const Vector3 side = box.side();
-    const double h = *std::max_element(side.begin(), side.end()) / options.cells;
+    const double h = box.longest_side() / options.cells;
     const Lattice lattice = lattice_around(box, h, 0.0);
 
     if (state.closed()) {
         smooth_if_noisy(mesh, box.diagonal(), options, notes);
         auto winding = winding_numbers(mesh, lattice);
-        const auto [low, high] = std::minmax_element(winding.begin(), winding.end());
-        if (*low >= 0 && *high == 1) return finished_solid(std::move(mesh), file, options, std::move(notes));
-        if (*low == -1 && *high <= 0) {
+        const auto [lowest, highest] = std::minmax_element(winding.begin(), winding.end());
+        int low = *lowest, high = *highest;
+        if (low == -1 && high <= 0) {
             for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+            for (auto& w : winding) w = static_cast<std::int8_t>(-w);
+            low = 0, high = 1;
             notes.push_back("The surface was inside out and was turned.");
+        }
+        if (low >= 0 && high == 1) {
+            if (parts_touch(mesh, patch, h)) {
+                const TriangleTree surface(mesh);
+                close_slits(surface, lattice, winding);
+                TriangleMesh whole = united(mesh, surface, lattice, winding);
+                const double volume = signed_volume(mesh);
+                if (std::abs(signed_volume(whole) - volume) < largest_loss * volume) {
+                    notes.push_back("Touching parts were joined.");
+                    mesh = std::move(whole);
+                }
+            }
             return finished_solid(std::move(mesh), file, options, std::move(notes));
         }
-        if (*low < 0 || *high > 1) {
+        if (low < 0 || high > 1) {
             TriangleMesh upright = mesh;
             const TriangleTree surface(mesh);
             // Without a negative winding number what is turned inward is the wall of a cavity.
-            const bool changed = *low < 0 && turn_patches_outward(upright, patch, surface).turned > 0;
+            const bool changed = low < 0 && turn_patches_outward(upright, patch, surface).turned > 0;
             if (topology(upright).closed()) {
                 if (changed) {
                     mesh = std::move(upright);
@@ -281,9 +304,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
                     notes.push_back("Parts that were inside out were turned.");
                 }
                 notes.push_back("The surface passes through itself; its overlapping parts were united.");
-                TriangleMesh united = isosurface(lattice, united_values(mesh, lattice, winding));
-                pull_to_surface(united, surface, h);
-                return finished_solid(std::move(united), file, options, std::move(notes));
+                return finished_solid(united(mesh, surface, lattice, winding), file, options, std::move(notes));
             }
         }
         // Closed but thinner than a cell everywhere: the winding number found no node inside.
@@ -332,8 +353,7 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
     const double size = box.diagonal();
     // From the typical gap between points up to the widest that may be closed; the first that holds tight: a ball a
     // quarter larger finds (almost) the same solid, so no leak was left.
-    const Vector3 side = box.side();
-    const double longest = *std::max_element(side.begin(), side.end());
+    const double longest = box.longest_side();
     const double widest = std::min(0.5 * options.close_gaps * size, 0.25 * longest);
     double radius = 0.0, tight_volume = 0.0;
     {

@@ -27,12 +27,12 @@ struct Solid {
 
 /// From triangles in any state to a solid.
 /// Closed surfaces without overlaps are taken as they are (turned right side out). Closed surfaces that pass through
-/// themselves are united by their exact winding numbers. Open or non-manifold ones get neighbouring triangles to agree
-/// in orientation, then each patch turned so that its front sees more of the open air (Takayama et al. 2014); the
-/// inside is where the generalised winding number exceeds 1/2. United and closed surfaces are rebuilt on a grid of
-/// options.cells cells, and what closes a hole is bent like a thin plate held by its rim. Surfaces with noise above
-/// 0.03 % of the object's size are smoothed before: noise is roughness that does not hang together from point to point.
-/// Stray pieces far from the object are left out first of all (strays.h).
+/// themselves are united by their exact winding numbers, those of parts that touch face to face are joined. Open or
+/// non-manifold ones get neighbouring triangles to agree in orientation, then each patch turned so that its front sees
+/// more of the open air (Takayama et al. 2014); the inside is where the generalised winding number exceeds 1/2. United
+/// and closed surfaces are rebuilt on a grid of options.cells cells, and what closes a hole is bent like a thin plate
+/// held by its rim. Surfaces with noise above 0.03 % of the object's size are smoothed before: noise is roughness that
+/// does not hang together from point to point. Stray pieces far from the object are left out first of all (strays.h).
 /// @param file  for messages
 /// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});

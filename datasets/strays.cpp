@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -19,16 +18,6 @@ struct Pieces {
     std::vector<int> of_item;
     int count = 0;
 };
-
-void include(Box3& box, const Vector3& p) {
-    for (int a = 0; a < 3; ++a) box.low[a] = std::min(box.low[a], p[a]), box.high[a] = std::max(box.high[a], p[a]);
-}
-bool are_apart(const Box3& a, const Box3& b) {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (a.low[axis] > b.high[axis] || a.high[axis] < b.low[axis]) return true;
-    }
-    return false;
-}
 
 /// Box around what is left when the share of strays is cut away on each side.
 /// @param box_of, weight_of  (item) -> Box3, its share of the whole in any units
@@ -56,29 +45,23 @@ Box3 core_box(std::size_t items, BoxOf&& box_of, WeightOf&& weight_of) {
     return core;
 }
 
-double longest_side(const Box3& box) {
-    const Vector3 side = box.side();
-    return *std::max_element(side.begin(), side.end());
-}
-
 /// The core and all around it that is not far.
 Box3 surroundings(const Box3& core) {
-    const double m = margin * longest_side(core);
+    const double m = margin * core.longest_side();
     return {core.low - Vector3{m, m, m}, core.high + Vector3{m, m, m}};
 }
 
 /// Which pieces lie outside of a box with all they have [pieces].
 template <class BoxOf>
 std::vector<char> pieces_outside(const Box3& box, const Pieces& piece, BoxOf&& box_of) {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
-    std::vector<Box3> around(piece.count, {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}});
+    std::vector<Box3> around(piece.count, Box3::empty());
     for (std::size_t i = 0; i < piece.of_item.size(); ++i) {
         const Box3 b = box_of(i);
-        include(around[piece.of_item[i]], b.low);
-        include(around[piece.of_item[i]], b.high);
+        around[piece.of_item[i]].include(b.low);
+        around[piece.of_item[i]].include(b.high);
     }
     std::vector<char> outside(piece.count);
-    for (int p = 0; p < piece.count; ++p) outside[p] = are_apart(around[p], box) ? 1 : 0;
+    for (int p = 0; p < piece.count; ++p) outside[p] = around[p].is_apart(box) ? 1 : 0;
     return outside;
 }
 
@@ -173,8 +156,8 @@ Strays leave_out_strays(TriangleMesh& mesh, double speck_fraction) {
     const auto box_of = [&](std::size_t t) {
         const auto c = mesh.corners(t);
         Box3 box{c[0], c[0]};
-        include(box, c[1]);
-        include(box, c[2]);
+        box.include(c[1]);
+        box.include(c[2]);
         return box;
     };
     const auto area_of = [&](std::size_t t) { return norm(area_vector(mesh.corners(t))); };
@@ -192,7 +175,7 @@ Strays leave_out_strays(std::vector<Vector3>& points) {
     const auto one = [](std::size_t) { return 1.0; };
     const Box3 core = core_box(points.size(), box_of, one);
     const Box3 near = surroundings(core), all = bounding_box(points);
-    const double length = longest_side(core);
+    const double length = core.longest_side();
     // No point is far, or there is no object.
     bool is_all_near = true;
     for (int a = 0; a < 3; ++a) is_all_near &= all.low[a] >= near.low[a] && all.high[a] <= near.high[a];

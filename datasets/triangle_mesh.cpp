@@ -90,12 +90,7 @@ Patches numbered(std::vector<int>& parent, const std::vector<int>& of_triangle_n
 
 Box3 bounding_box(const std::vector<Vector3>& points) {
     Box3 box{points.front(), points.front()};
-    for (const auto& p : points) {
-        for (int a = 0; a < 3; ++a) {
-            box.low[a] = std::min(box.low[a], p[a]);
-            box.high[a] = std::max(box.high[a], p[a]);
-        }
-    }
+    for (const auto& p : points) box.include(p);
     return box;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "geodesic/grid/dyadic_grid.h"
@@ -45,6 +47,23 @@ struct Box3 {
     Vector3 low{}, high{};
     [[nodiscard]] Vector3 side() const { return high - low; }
     [[nodiscard]] double diagonal() const { return norm(high - low); }
+    [[nodiscard]] double longest_side() const {
+        return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    }
+    [[nodiscard]] bool is_apart(const Box3& other) const {
+        for (int a = 0; a < 3; ++a) {
+            if (low[a] > other.high[a] || high[a] < other.low[a]) return true;
+        }
+        return false;
+    }
+    void include(const Vector3& p) {
+        for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+    }
+    /// Holds nothing; to be grown by include().
+    static Box3 empty() {
+        constexpr double infinite = std::numeric_limits<double>::infinity();
+        return {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    }
 };
 /// Box around the points; not empty.
 Box3 bounding_box(const std::vector<Vector3>& points);
