@@ -342,6 +342,8 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
                         const SolidifyOptions& options) {
     TriangleMesh cloud{std::move(points), {}};
     clean(cloud);
+    std::vector<std::string> notes;
+    if (!cloud.points.empty()) note_strays(leave_out_strays(cloud.points), "stray point", "points", notes);
     if (cloud.points.size() < 50) {
         throw ReadError(file, "only " + count(cloud.points.size(), "different point") + ", too few for a surface",
                         "use a denser point cloud or a mesh");
@@ -383,9 +385,8 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
         closed = closing(lattice, distance, radius);
     }
     TriangleMesh rebuilt = isosurface(lattice, closed.values);
-    std::vector<std::string> notes{"A cloud of " + count(cloud.points.size(), "point") +
-                                   "; the inside is what a ball of radius " + percent(radius / size) +
-                                   " of the object's size cannot reach between them."};
+    notes.push_back("A cloud of " + count(cloud.points.size(), "point") + "; the inside is what a ball of radius " +
+                    percent(radius / size) + " of the object's size cannot reach between them.");
     if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
     const auto is_new = [&](const Piece& piece, double& gap) {
         std::array<int, 3> node;

@@ -14,7 +14,6 @@ using namespace tests;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const Vector3 middle{0.5, 0.5, 0.5};
 constexpr double radius = 0.3;
@@ -76,6 +75,38 @@ TEST(Strays, FarSpeckDoesNotMakeTheGridCoarse) {
     const Solid solid = solid_from_triangles(joined(open, ball_mesh({50, 0, 0}, 0.01, 2)), "open and speck");
     EXPECT_EQ(solid.volume, alone.volume);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("Left out 128 stray triangles")));
+}
+
+/// Points of a sphere, evenly spread.
+std::vector<Vector3> sphere_points() {
+    return ball_mesh(middle, radius, 4).points;
+}
+
+TEST(Strays, PointsFarFromACloudChangeNothing) {
+    const std::vector<Vector3> points = sphere_points();
+    SolidifyOptions coarse;
+    coarse.cells = 32;
+    const Solid alone = solid_from_points(points, "cloud", coarse);
+    for (const double far : {10.0, 1e9}) {
+        std::vector<Vector3> scan = points;
+        scan.push_back({0.4, -far, 0.5});
+        scan.insert(scan.begin(), {{far, far, -far}, {far + 0.001, far, -far}, {far, 0.5, 0.5}});
+        const Solid solid = solid_from_points(scan, "cloud and strays", coarse);
+        EXPECT_EQ(solid.volume, alone.volume) << far;
+        EXPECT_THAT(solid.notes, Contains("Left out 4 stray points far from the object (0.39 % of the points)."));
+    }
+}
+
+TEST(Strays, PointsThatHangTogetherWithTheCloudStay) {
+    std::vector<Vector3> points = sphere_points();
+    EXPECT_EQ(leave_out_strays(points).count, 0U);
+    const std::size_t all = points.size() + 10;
+    for (int i = 0; i < 10; ++i) points.push_back({0.5 + radius + 0.06 * i, 0.5, 0.5});  // a wire
+    EXPECT_EQ(leave_out_strays(points).count, 0U);
+    EXPECT_EQ(points.size(), all);
+    std::vector<Vector3> two = sphere_points();  // 2 % of the points are no mistake
+    for (int i = 0; i < 22; ++i) two.push_back({5.0 + 0.01 * i, 5.0, 5.0});
+    EXPECT_EQ(leave_out_strays(two).count, 0U);
 }
 
 }  // namespace
