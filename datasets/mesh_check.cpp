@@ -31,8 +31,8 @@ Vector3 coordinates(const fs::path& file, std::size_t line_number, std::string_v
         if (!TextScan::number(word, x)) {
             refuse(file, at_line(line_number) + "\"" + std::string(word.substr(0, 40)) + "\" is not a number");
         }
-        if (!std::isfinite(x) || std::abs(x) > 1e18) {
-            refuse(file, at_line(line_number) + "a coordinate is not finite");
+        if (const char* problem = coordinate_problem(x)) {
+            refuse(file, at_line(line_number) + "a coordinate is " + problem);
         }
     }
     return p;
@@ -226,8 +226,8 @@ CheckedMesh check_stl(const fs::path& file, std::string_view content) {
             float c[9];
             std::memcpy(c, content.data() + 84 + 50 * t + 12, sizeof c);
             for (const float x : c) {
-                if (!std::isfinite(x) || std::abs(x) > 1e18F) {
-                    refuse(file, "a coordinate of triangle " + std::to_string(t + 1) + " is not finite");
+                if (const char* problem = coordinate_problem(x)) {
+                    refuse(file, "a coordinate of triangle " + std::to_string(t + 1) + " is " + problem);
                 }
             }
             for (int i = 0; i < 9; i += 3) result.points.push_back({c[i], c[i + 1], c[i + 2]});
@@ -242,6 +242,11 @@ CheckedMesh check_stl(const fs::path& file, std::string_view content) {
 }
 
 }  // namespace
+
+const char* coordinate_problem(double x) {
+    if (!std::isfinite(x)) return "not finite";
+    return std::abs(x) > largest_coordinate ? "too large (more than 1e18)" : nullptr;
+}
 
 void check_face_count(const fs::path& file, std::size_t faces) {
     if (faces > largest_face_count) {

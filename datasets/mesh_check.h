@@ -28,6 +28,12 @@ inline constexpr std::size_t largest_point_count = 2'147'483'647;
 /// Polygons of more corners are refused: cutting them takes too long.
 inline constexpr std::size_t most_corners = 10'000;
 
+/// Larger coordinates are refused: the cubes of their differences must stay in the range of numbers.
+inline constexpr double largest_coordinate = 1e18;
+
+/// What is wrong with a coordinate, as it follows "a coordinate is"; nullptr if nothing is.
+const char* coordinate_problem(double x);
+
 /// @throws ReadError if there are more faces than largest_face_count
 void check_face_count(const std::filesystem::path& file, std::size_t faces);
 /// @param face  its number, from 0

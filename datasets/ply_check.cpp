@@ -265,8 +265,8 @@ CheckedMesh check_ply(const fs::path& file, std::string_view content) {
             }
             if (is_point) {
                 for (const double x : point) {
-                    if (!std::isfinite(x) || std::abs(x) > 1e18) {
-                        refuse(file, "a coordinate of point " + std::to_string(i + 1) + " is not finite");
+                    if (const char* problem = coordinate_problem(x)) {
+                        refuse(file, "a coordinate of point " + std::to_string(i + 1) + " is " + problem);
                     }
                 }
                 result.points.push_back(point);

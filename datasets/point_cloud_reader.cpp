@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 }
 
 bool is_usable(const Vector3& p) {
-    return std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x) && std::abs(x) < 1e18; });
+    return std::all_of(p.begin(), p.end(), [](double x) { return coordinate_problem(x) == nullptr; });
 }
 
 struct Field {
@@ -194,7 +194,10 @@ std::vector<Vector3> read_xyz(const fs::path& file, std::string_view content, st
             if (points.empty() && scan.line_number() <= 2) continue;  // a count or a title
             refuse(file, "line " + std::to_string(scan.line_number()) + " does not begin with three numbers");
         }
-        if (!is_usable(p)) refuse(file, "line " + std::to_string(scan.line_number()) + ": a coordinate is not finite");
+        for (const double x : p) {
+            if (const char* problem = coordinate_problem(x))
+                refuse(file, "line " + std::to_string(scan.line_number()) + ": a coordinate is " + problem);
+        }
         has_decimal_commas |= plain.has_decimal_commas;
         points.push_back(p);
     }

@@ -317,9 +317,14 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
     smooth_if_noisy(mesh, box.diagonal(), options, notes);
-    std::string kind = "The surface is open (" + count(state.boundary_edges, "boundary edge") + ")";
-    if (state.crowded_edges > 0)
-        kind += " and has " + count(state.crowded_edges, "edge") + " of three or more triangles";
+    const std::string crowded = "has " + count(state.crowded_edges, "edge") + " of three or more triangles";
+    std::string kind = "The surface is closed but one-sided, as a Klein bottle is";
+    if (state.boundary_edges > 0) {
+        kind = "The surface is open (" + count(state.boundary_edges, "boundary edge") + ")";
+        if (state.crowded_edges > 0) kind += " and " + crowded;
+    } else if (state.crowded_edges > 0) {
+        kind = "The surface " + crowded;
+    }
     notes.push_back(kind + "; the inside was found by generalised winding numbers.");
     const std::vector<float> distance = distance_to_triangles(mesh, lattice, 3.0);
     const TriangleTree tree(mesh);

@@ -283,6 +283,8 @@ TEST(MeshReader, LiesAreNamed) {
                 HasSubstr("promises a list of 99999"));
     EXPECT_THAT(refusal(folder.write("e.ply", replaced(ply_file(box, "ascii"), "0.25", "nan"))),
                 HasSubstr("not finite"));
+    EXPECT_THAT(refusal(folder.write("g.ply", replaced(ply_file(box, "ascii"), "0.25", "1e30"))),
+                HasSubstr("point 1 is too large"));
     // The second list would push the faces of the first out of their place, and the parser would end the program.
     EXPECT_THAT(refusal(folder.write("twice.ply", replaced(ply_file(box, "ascii"), "element face",
                                                            "element vertex 0\nproperty float x\nproperty float y\n"
@@ -302,6 +304,7 @@ TEST(MeshReader, LiesAreNamed) {
     EXPECT_THAT(refusal(folder.write("b.obj", replaced(obj_text(box), "f 1 3 2", "f 0 3 2"))),
                 HasSubstr("does not exist"));
     EXPECT_THAT(refusal(folder.write("c.obj", replaced(obj_text(box), "v 0.25", "v 1e400"))), HasSubstr("not finite"));
+    EXPECT_THAT(refusal(folder.write("e.obj", replaced(obj_text(box), "v 0.25", "v -1e151"))), HasSubstr("too large"));
     EXPECT_THAT(refusal(folder.write("d.obj", "# nothing\n")), HasSubstr("not a single point"));
 
     std::string stl = binary_stl(box);

@@ -215,6 +215,31 @@ TEST(Solidify, NonManifoldMeshes) {
     EXPECT_EQ(patches(solid.mesh, true).count, 1);
 }
 
+TEST(Solidify, KleinBottleIsNotCalledOpen) {
+    constexpr int n = 60;
+    TriangleMesh bottle;
+    for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {  // a figure of eight that makes half a turn on its way around a circle
+            const double u = 2.0 * pi * i / n, v = 2.0 * pi * j / n;
+            const double r = 2.0 + std::cos(u / 2) * std::sin(v) - std::sin(u / 2) * std::sin(2 * v);
+            bottle.points.push_back(
+                {r * std::cos(u), r * std::sin(u), std::sin(u / 2) * std::sin(v) + std::cos(u / 2) * std::sin(2 * v)});
+        }
+    }
+    for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
+            const auto at = [&](int k, int l) {  // beyond the last the figure of eight goes on turned over
+                return k < n ? k + n * (l % n) : n * ((2 * n - l) % n);
+            };
+            bottle.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+            bottle.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    }
+    const Solid solid = solid_from_triangles(bottle, "bottle", coarse());
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("one-sided")));
+    EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("open"))));
+}
+
 TEST(Solidify, FlatAndOneSidedScansAreRefused) {
     TriangleMesh flat, bump;
     const int n = 40;
