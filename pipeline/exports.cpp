@@ -56,7 +56,8 @@ std::string pairs_csv(const StudyData& data) {
                     for (int column = 0; column < 6; ++column) csv.cell(std::string());
                 }
                 const bool same = a.content_digest == b.content_digest;
-                csv.cell(pair != nullptr ? pair->problem() : same ? "" : "not computed yet");
+                const char* without = same ? "" : data.damaged.contains(p) ? "damaged" : "not computed yet";
+                csv.cell(pair != nullptr ? pair->problem() : without);
                 csv.cell(pair == nullptr ? "" : first_is_a ? a.name : b.name);
                 csv.cell(static_cast<long>(data.geodesic_of(p).level));
                 csv.cell(static_cast<long>(data.geodesic_of(p).time_steps));

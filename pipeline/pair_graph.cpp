@@ -71,9 +71,14 @@ private:
         end_reading(store_);
         store_.remove_unused_level_sets();
         if (!options_.solve) return {};
-        const auto stored = store_.stored_pairs(settings_hash(options_.geodesic), [&](const std::string& damage) {
-            progress_.message(damage + "; it is computed again");
-        });
+        std::size_t damaged = 0;
+        const auto stored = store_.stored_pairs(settings_hash(options_.geodesic),
+                                                [&](const std::string&, const std::string&) { ++damaged; });
+        if (damaged > 0) {
+            progress_.message(store_.file().string() + ": the stored results of " + std::to_string(damaged) +
+                              (damaged == 1 ? " pair are damaged; it is" : " pairs are damaged; they are") +
+                              " computed again");
+        }
         std::vector<GeodesicKey> missing;
         for (GeodesicKey& key : wanted_geodesics(shapes_, options_.both_directions)) {
             if (options_.only && !options_.only->contains(key)) continue;

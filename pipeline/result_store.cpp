@@ -310,8 +310,8 @@ struct ResultStore::Impl {
         Statement statement = database.prepare("PRAGMA " + name);
         return statement.step() ? statement.integer(0) : 0;
     }
-    /// Reads the columns of `SELECT * FROM geodesics`; the sentence is empty if the row is sound.
-    [[nodiscard]] std::pair<StoredGeodesic, std::string> row(const Statement& s) const {
+    /// Reads the columns of `SELECT * FROM geodesics`; false if the row is damaged.
+    [[nodiscard]] std::pair<StoredGeodesic, bool> row(const Statement& s) const {
         StoredGeodesic g;
         g.a = s.text(0);
         g.b = s.text(1);
@@ -327,11 +327,10 @@ struct ResultStore::Impl {
         g.seconds = s.number(11);
         const std::string details = s.text(12);
         if (row_checksum(g, details) != s.text(13)) {
-            return {g,
-                    database.file().string() + ": the stored result of a pair is damaged (" + g.a + ", " + g.b + ")"};
+            return {g, false};
         }
         read_details(details, g);
-        return {g, ""};
+        return {g, true};
     }
 
     Database database;
@@ -517,8 +516,8 @@ std::optional<StoredGeodesic> ResultStore::geodesic(std::string_view a, std::str
                                                     std::string_view settings_hash) const {
     Statement s = impl_->database.prepare("SELECT * FROM geodesics WHERE settings = ? AND a = ? AND b = ?");
     if (!s.bind(1, settings_hash).bind(2, a).bind(3, b).step()) return std::nullopt;
-    auto [row, damage] = impl_->row(s);
-    if (!damage.empty()) return std::nullopt;
+    auto [row, is_sound] = impl_->row(s);
+    if (!is_sound) return std::nullopt;
     return row;
 }
 
@@ -527,11 +526,11 @@ std::vector<StoredGeodesic> ResultStore::geodesics(std::string_view settings_has
     s.bind(1, settings_hash);
     std::vector<StoredGeodesic> rows;
     while (s.step()) {
-        auto [row, damage] = impl_->row(s);
-        if (damage.empty()) {
+        auto [row, is_sound] = impl_->row(s);
+        if (is_sound) {
             rows.push_back(std::move(row));
         } else if (on_damage) {
-            on_damage(damage);
+            on_damage(row.a, row.b);
         }
     }
     return rows;

@@ -117,7 +117,7 @@ public:
     [[nodiscard]] std::optional<StoredGeodesic> geodesic(std::string_view a, std::string_view b,
                                                          std::string_view settings_hash) const;
     /// Every row of these settings, sorted by (a, b). Damaged rows are left out and handed to on_damage, if any.
-    using OnDamage = std::function<void(const std::string& sentence)>;
+    using OnDamage = std::function<void(const std::string& a, const std::string& b)>;
     [[nodiscard]] std::vector<StoredGeodesic> geodesics(std::string_view settings_hash,
                                                         const OnDamage& on_damage = {}) const;
     /// Keys of the sound rows of these settings.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "pipeline/collection.h"
@@ -32,8 +33,9 @@ StudyData load_study(const ResultStore& store) {
     data.first_is_a.resize(data.distances.pair_count(), true);
     const bool both = data.settings.pairs.both_directions;
     if (both) data.backward.resize(data.distances.pair_count());
+    std::set<std::pair<std::string, std::string>> damaged;
     const StudyRounds rounds =
-        rounds_of(store, data.settings, [&](const std::string& damage) { data.remarks.push_back(damage); });
+        rounds_of(store, data.settings, [&](const std::string& a, const std::string& b) { damaged.emplace(a, b); });
     data.levels = rounds.levels;
     const std::size_t finest = rounds.levels.size() - 1;
     data.level_of.assign(data.distances.pair_count(), static_cast<unsigned char>(finest));
@@ -65,6 +67,14 @@ StudyData load_study(const ResultStore& store) {
                 data.backward[p] = found->second;
             }
             const PairDistance pair = distance_of_pair(rows, keys);
+            if (damaged.contains(keys.front()) || damaged.contains(keys.back())) {
+                const StudyFailure failure{data.shapes[i].name, data.shapes[j].name,
+                                           "its stored result is damaged; it is computed again by: morphodesic "
+                                           "geodesics " +
+                                               store.file().parent_path().string()};
+                data.damaged.emplace(p, failure);
+                data.failures.push_back(failure);
+            }
             if (!pair.problem.empty()) {
                 data.failures.push_back({data.shapes[i].name, data.shapes[j].name, pair.problem});
             } else if (!pair.complete) {

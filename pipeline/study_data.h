@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,9 +40,11 @@ struct StudyData {
     std::string coarse_note;              ///< says so, if there are any
     std::vector<bool> first_is_a;         ///< condensed: the path of `pairs` runs from the first to the second name
     std::vector<StudyFailure> failures;
-    std::string unfinished;            ///< a sentence if shapes are missing, see unfinished_reading; else empty
+    std::string unfinished;  ///< a sentence if shapes are missing, see unfinished_reading; else empty
+    std::map<std::size_t, StudyFailure>
+        damaged;                       ///< condensed index: pairs with a damaged result; they are missing, too
     long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
-    std::vector<std::string> remarks;  ///< e.g. damaged rows
+    std::vector<std::string> remarks;  ///< on a table of distances
     bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
     std::vector<analysis::DirectedPair> given_directions;  ///< of a table that is not symmetric
 

@@ -35,12 +35,12 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
     if (data.given && data.pairs_missing > 0) {
         summary.lines.push_back(std::to_string(data.pairs_missing) +
                                 (data.pairs_missing == 1 ? " pair has no distance" : " pairs have no distance"));
-    } else if (data.pairs_missing > 0) {
-        summary.exit_code = some_failed;
-        summary.lines.push_back(std::to_string(data.pairs_missing) +
-                                " pairs are not computed yet; do it with: morphodesic "
-                                "geodesics " +
-                                folder.path().string());
+    } else if (data.pairs_missing > static_cast<long>(data.damaged.size())) {
+        const long missing = data.pairs_missing - static_cast<long>(data.damaged.size());
+        summary.add_shortfall(
+            std::to_string(missing) +
+            (missing == 1 ? " pair is not computed yet; do it" : " pairs are not computed yet; do it") +
+            " with: morphodesic geodesics " + folder.path().string());
     }
     return summary;
 }
@@ -186,7 +186,7 @@ int verify(const StudyOptions& options) {
     Summary summary;
     std::vector<StudyFailure> differing;
     if (!data.unfinished.empty()) differing.push_back({"", "", data.unfinished});
-    for (const std::string& damage : data.remarks) differing.push_back({"", "", damage});
+    for (const auto& [pair, damage] : data.damaged) differing.push_back(damage);
     for (const StoredShape& shape : data.unusable) {
         if (shape.damaged) differing.push_back({shape.name, "", shape.problem});
     }

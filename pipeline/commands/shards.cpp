@@ -372,12 +372,12 @@ int merge(const ShardOptions& options) {
     summary.lines.push_back(std::to_string(files.size()) + " files: " + std::to_string(added) + " pairs added, " +
                             std::to_string(known) + " were in the store");
     if (data.pairs_missing > 0) {
-        summary.exit_code = some_failed;
-        summary.lines.push_back(std::to_string(data.pairs_missing) + " pairs are still missing" +
-                                (data.levels.size() > 1 ? " in this round of the screening; plan it with: morphodesic "
-                                                          "plan " +
-                                                              quoted(folder.path().string()) + " --shards N"
-                                                        : ""));
+        summary.add_shortfall(std::to_string(data.pairs_missing) +
+                              (data.pairs_missing == 1 ? " pair is still missing" : " pairs are still missing") +
+                              (data.levels.size() > 1 ? " in this round of the screening; plan it with: morphodesic "
+                                                        "plan " +
+                                                            quoted(folder.path().string()) + " --shards N"
+                                                      : ""));
     } else {
         summary.lines.push_back("All pairs are there. Report: morphodesic report " + quoted(folder.path().string()));
     }

@@ -14,6 +14,12 @@ void Summary::add_remark(const std::string& remark) {
     data["remarks"].push_back(remark);
 }
 
+void Summary::add_shortfall(const std::string& sentence) {
+    add_remark(sentence);
+    shortfalls_.push_back(sentence);
+    if (exit_code == all_done) exit_code = some_failed;
+}
+
 void Summary::add_failures(std::vector<StudyFailure> failures) {
     constexpr std::size_t shown = 20;
     failures.insert(failures.end(), cut_off.begin(), cut_off.end());
@@ -56,6 +62,7 @@ int Summary::print(const CommonOptions& options) {
     }
     if ((options.json || options.quiet) && exit_code != all_done) {
         // Problems are said on the error stream also where the summary is not for people.
+        for (const std::string& shortfall : shortfalls_) std::cerr << "morphodesic: " << shortfall << "\n";
         for (const auto& failure : data.value("failures", nlohmann::ordered_json::array())) {
             const auto a = failure["a"].get<std::string>(), b = failure["b"].get<std::string>();
             std::cerr << "morphodesic: " << (b.empty() ? "" : a + " - " + b + ": ")

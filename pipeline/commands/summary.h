@@ -19,11 +19,16 @@ struct Summary {
 
     /// Something worth knowing: a line, and an entry of "remarks" in the JSON object.
     void add_remark(const std::string& remark);
+    /// The same for something that is lacking, which makes the exit code 1.
+    void add_shortfall(const std::string& sentence);
     /// Lists failures, then the shapes that are cut off, in words (the first twenty) and in full in the JSON object;
     /// makes the exit code 1 if there are any.
     void add_failures(std::vector<StudyFailure> failures);
     /// Prints lines or JSON as the options want it and returns the exit code.
     int print(const CommonOptions& options);
+
+private:
+    std::vector<std::string> shortfalls_;
 };
 
 /// Number of threads that --threads N means. @throws std::runtime_error if the system does not let them start

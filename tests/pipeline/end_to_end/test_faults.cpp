@@ -168,12 +168,29 @@ TEST_F(DisturbedStore, AChangedNumberIsFoundAndComputedAgain) {
     execute(store_, "UPDATE geodesics SET path_length = path_length * 1.001 WHERE a = (SELECT min(a) FROM geodesics)");
     const Outcome checked = morphodesic({"verify", (folder_ / "disks.study").string()});
     EXPECT_EQ(checked.code, 1);
-    EXPECT_THAT(checked.out, HasSubstr("damaged"));
+    EXPECT_THAT(checked.out, HasSubstr("Without a trustworthy distance: 3 pairs"));
+    EXPECT_THAT(checked.out, HasSubstr("disk-01.png - disk-0"));
+    const Outcome analysed = morphodesic({"analyze", (folder_ / "disks.study").string(), "--quiet"});
+    EXPECT_EQ(analysed.code, 1);
+    EXPECT_THAT(analysed.err, HasSubstr("its stored result is damaged"));
+    EXPECT_THAT(analysed.err, Not(HasSubstr("not computed yet")));
+    EXPECT_THAT(read_file(folder_ / "disks.study/pairs.csv"), HasSubstr(",damaged,"));
     const Outcome done = morphodesic(command_);
     EXPECT_EQ(done.code, 0);
-    EXPECT_THAT(done.err, HasSubstr("damaged"));
+    EXPECT_THAT(done.err, HasSubstr("results of 3 pairs are damaged"));
     EXPECT_GT(json::parse(done.out)["pairs_computed"], 0);
     EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+}
+
+TEST_F(DisturbedStore, WhatIsLackingIsSaidOnTheErrorStreamOfQuietCommands) {
+    execute(store_, "DELETE FROM geodesics WHERE a = (SELECT min(a) FROM geodesics)");
+    const std::string study = (folder_ / "disks.study").string();
+    const Outcome quiet = morphodesic({"analyze", study, "--quiet"});
+    EXPECT_EQ(quiet.code, 1);
+    EXPECT_THAT(quiet.err, HasSubstr("3 pairs are not computed yet; do it with: morphodesic geodesics"));
+    const Outcome told = morphodesic({"analyze", study, "--json"});
+    EXPECT_EQ(told.code, 1);
+    EXPECT_THAT(json::parse(told.out)["remarks"].dump(), HasSubstr("3 pairs are not computed yet"));
 }
 
 TEST_F(DisturbedStore, ARefusedCommandLeavesTheStudyAsItWas) {
