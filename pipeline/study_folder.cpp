@@ -63,7 +63,9 @@ void StudyFolder::refuse_if_foreign() const {
     std::set<std::string> names;
     fs::directory_iterator it(path_, error);
     for (; !error && it != fs::directory_iterator(); it.increment(error)) {
-        names.insert(it->path().filename().string());
+        const std::string name = it->path().filename().string();
+        // What systems put into every folder is in nobody's way.
+        if (!name.starts_with('.') && name != "lost+found") names.insert(name);
     }
     if (error) {
         throw StoreError(path_, "the folder cannot be looked at: " + error.message() +

@@ -38,6 +38,17 @@ TEST(StudyFolder, WritesWholeFilesAndLeavesNoRests) {
     EXPECT_FALSE(std::filesystem::exists(folder / "study/paths/a/step.png.part"));
 }
 
+TEST(StudyFolder, TakesAnEmptyFolderButNotThatOfOthers) {
+    const tests::TemporaryFolder folder;
+    const StudyFolder study(folder / "mine");
+    for (const char* name : {".DS_Store", "lost+found/x"}) folder.write(std::string("mine/") + name, "");
+    EXPECT_NO_THROW(study.create());
+    folder.write("mine/thesis.txt", "");
+    EXPECT_THROW(study.create(), std::invalid_argument);
+    { const StudyLock lock(study); }
+    EXPECT_NO_THROW(study.create());  // it is known again
+}
+
 TEST(StudyLock, IsHeldByOneAndFreeAfterwards) {
     const tests::TemporaryFolder folder;
     const StudyFolder study(folder / "study");
