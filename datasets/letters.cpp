@@ -101,7 +101,15 @@ public:
     std::vector<Loop> outline(char32_t code, double embolden) {
         if (!has(code)) throw ReadError(file_, "the font lacks a character", "choose another font");
         FT_Outline* const glyph = &face_->glyph->outline;
-        FT_Outline_Embolden(glyph, std::lround(embolden * cap_height_));
+        // Corners of some outlines become spikes of any length: their strokes stay as they are.
+        const long wider = std::lround(embolden * cap_height_), room = 4 * std::abs(wider) + 1;
+        FT_BBox plain, made;
+        FT_Outline_Get_CBox(glyph, &plain);
+        FT_Outline_Embolden(glyph, wider);
+        FT_Outline_Get_CBox(glyph, &made);
+        const bool has_spikes = made.xMin < plain.xMin - room || made.xMax > plain.xMax + room ||
+                                made.yMin < plain.yMin - room || made.yMax > plain.yMax + room;
+        if (has_spikes) load(code);
         Decomposition decomposition{{}, 1.0 / cap_height_};
         FT_Outline_Funcs functions{};
         functions.move_to = [](const FT_Vector* to, void* user) {
