@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "datasets/csv_rows.h"
@@ -136,50 +137,15 @@ private:
 
     /// Counts files that may be meant as shapes: all but those that belong to others or tell of them.
     void note_other_kind(const fs::path& file) {
-        static const std::set<std::string> companions{"",
-                                                      ".csv",
-                                                      ".tsv",
-                                                      ".txt",
-                                                      ".md",
-                                                      ".rst",
-                                                      ".json",
-                                                      ".xml",
-                                                      ".html",
-                                                      ".htm",
-                                                      ".pdf",
-                                                      ".toml",
-                                                      ".yaml",
-                                                      ".yml",
-                                                      ".ini",
-                                                      ".log",
-                                                      ".mtl",
-                                                      ".raw",
-                                                      ".zraw",
-                                                      ".bib",
-                                                      ".doc",
-                                                      ".docx",
-                                                      ".odt",
-                                                      ".xls",
-                                                      ".xlsx",
-                                                      ".ods",
-                                                      ".py",
-                                                      ".r",
-                                                      ".m",
-                                                      ".sh",
-                                                      ".bat",
-                                                      ".sqlite",
-                                                      ".db",
-                                                      ".bak",
-                                                      ".tmp",
-                                                      ".lock",
-                                                      ".sqlite-wal",
-                                                      ".sqlite-shm",
-                                                      ".sqlite-journal",
-                                                      ".tps",
-                                                      ".lnk",
-                                                      ".url"};
+        constexpr std::string_view companions =
+            " .csv .tsv .txt .md .rst .json .xml .html .htm .pdf .toml .yaml .yml .ini .log .mtl .raw .zraw .bib .doc "
+            ".docx "
+            ".odt .xls .xlsx .ods .py .r .m .sh .bat .sqlite .db .bak .tmp .lock .sqlite-wal .sqlite-shm "
+            ".sqlite-journal "
+            ".tps .lnk .url ";
         const std::string ending = ending_of(file);
-        if (!companions.contains(ending)) ++other_kinds_[ending];
+        const bool is_companion = ending.empty() || companions.find(" " + ending + " ") != std::string_view::npos;
+        if (!is_companion) ++other_kinds_[ending];
     }
 
     void say_other_kinds() {

@@ -47,19 +47,14 @@ Box3 core_box(std::size_t items, BoxOf&& box_of, WeightOf&& weight_of) {
 
 /// The core and all around it that is not far.
 Box3 surroundings(const Box3& core) {
-    const double m = margin * core.longest_side();
-    return {core.low - Vector3{m, m, m}, core.high + Vector3{m, m, m}};
+    return core.grown(margin * core.longest_side());
 }
 
 /// Which pieces lie outside of a box with all they have [pieces].
 template <class BoxOf>
 std::vector<char> pieces_outside(const Box3& box, const Pieces& piece, BoxOf&& box_of) {
     std::vector<Box3> around(piece.count, Box3::empty());
-    for (std::size_t i = 0; i < piece.of_item.size(); ++i) {
-        const Box3 b = box_of(i);
-        around[piece.of_item[i]].include(b.low);
-        around[piece.of_item[i]].include(b.high);
-    }
+    for (std::size_t i = 0; i < piece.of_item.size(); ++i) around[piece.of_item[i]].include(box_of(i));
     std::vector<char> outside(piece.count);
     for (int p = 0; p < piece.count; ++p) outside[p] = around[p].is_apart(box) ? 1 : 0;
     return outside;
@@ -153,13 +148,7 @@ Strays leave_out_strays(TriangleMesh& mesh, double speck_fraction) {
     const Patches patch = patches(mesh, true);
     const Pieces piece{patch.of_triangle, patch.count};
     if (piece.count == 1) return {};
-    const auto box_of = [&](std::size_t t) {
-        const auto c = mesh.corners(t);
-        Box3 box{c[0], c[0]};
-        box.include(c[1]);
-        box.include(c[2]);
-        return box;
-    };
+    const auto box_of = [&](std::size_t t) { return bounding_box(mesh.corners(t)); };
     const auto area_of = [&](std::size_t t) { return norm(area_vector(mesh.corners(t))); };
     const Box3 near = surroundings(core_box(mesh.triangles.size(), box_of, area_of));
     std::vector<char> is_far = pieces_outside(near, piece, box_of);

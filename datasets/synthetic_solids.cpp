@@ -74,18 +74,16 @@ TriangleMesh carved(const Sculpture& sculpture, int cells) {
         }
     }
     const Box3 box = bounding_box(corners);
-    const Vector3 side = box.side();
-    const Lattice lattice = lattice_around(box, *std::max_element(side.begin(), side.end()) / cells, 0.0);
+    const Lattice lattice = lattice_around(box, box.longest_side() / cells, 0.0);
     std::vector<float> values(lattice.node_count());
     // Blocks that the surface cannot pass get one value: the distance changes by less than twice the way.
     constexpr int block = 4;
-    const double reach = 2.0 * 0.5 * std::sqrt(3.0) * block * lattice.spacing;
+    const double half = 0.5 * block * lattice.spacing, reach = 2.0 * std::sqrt(3.0) * half;
     const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     tbb::parallel_for(0, (nz + block - 1) / block, [&](int layer) {
         const int k0 = layer * block, k1 = std::min(nz, k0 + block);
         for (int j0 = 0; j0 < ny; j0 += block) {
             for (int i0 = 0; i0 < nx; i0 += block) {
-                const double half = 0.5 * block * lattice.spacing;
                 const double middle = sculpture.distance(lattice.position(i0, j0, k0) + Vector3{half, half, half});
                 const bool is_far = std::abs(middle) > reach;
                 for (int k = k0; k < k1; ++k) {
@@ -159,7 +157,7 @@ Sculpture foot_sculpture(const Foot& f) {
 
 std::vector<GeneratedSolid> feet(const FeetOptions& options) {
     check(options);
-    constexpr int cells = 190;  // some 30,000 points, as many as clean scans of feet have
+    constexpr int cells = 190;  // some 38,000 points, as many as clean scans of feet have
     RandomSource random(options.seed);
     const double mean_volume = options.equal_volume ? signed_volume(carved(foot_sculpture({}), cells)) : 0.0;
     std::vector<GeneratedSolid> result;

@@ -55,20 +55,9 @@ double area_within(const TriangleTree& surface, const std::array<Vector3, 3>& c,
 
 bool parts_touch(const TriangleMesh& mesh, const Patches& patch, double cell) {
     if (patch.count == 1) return false;
-    const auto box_of = [&](std::size_t t) {
-        const auto c = mesh.corners(t);
-        const double slit = widest_slit * cell;
-        Box3 box{c[0], c[0]};
-        box.include(c[1]);
-        box.include(c[2]);
-        return Box3{box.low - Vector3{slit, slit, slit}, box.high + Vector3{slit, slit, slit}};
-    };
+    const auto box_of = [&](std::size_t t) { return bounding_box(mesh.corners(t)).grown(widest_slit * cell); };
     std::vector<Box3> boxes(patch.count, Box3::empty());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Box3 box = box_of(t);
-        boxes[patch.of_triangle[t]].include(box.low);
-        boxes[patch.of_triangle[t]].include(box.high);
-    }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes[patch.of_triangle[t]].include(box_of(t));
     const std::vector<std::vector<int>> near = neighbours(boxes);
     std::vector<std::size_t> candidates;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

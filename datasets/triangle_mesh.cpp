@@ -88,7 +88,7 @@ Patches numbered(std::vector<int>& parent, const std::vector<int>& of_triangle_n
 
 }  // namespace
 
-Box3 bounding_box(const std::vector<Vector3>& points) {
+Box3 bounding_box(std::span<const Vector3> points) {
     Box3 box{points.front(), points.front()};
     for (const auto& p : points) box.include(p);
     return box;

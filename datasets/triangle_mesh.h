@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "geodesic/grid/dyadic_grid.h"
@@ -59,6 +60,11 @@ struct Box3 {
     void include(const Vector3& p) {
         for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
     }
+    void include(const Box3& other) { include(other.low), include(other.high); }
+    [[nodiscard]] Box3 grown(double margin) const {
+        const Vector3 m{margin, margin, margin};
+        return {low - m, high + m};
+    }
     /// Holds nothing; to be grown by include().
     static Box3 empty() {
         constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -66,7 +72,7 @@ struct Box3 {
     }
 };
 /// Box around the points; not empty.
-Box3 bounding_box(const std::vector<Vector3>& points);
+Box3 bounding_box(std::span<const Vector3> points);
 
 /// Twice the area times the unit normal of a triangle.
 inline Vector3 area_vector(const std::array<Vector3, 3>& c) {

@@ -82,9 +82,11 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
     if (box.volume() > largest_voxel_count) {
         throw ReadError(file, "its grid spans more voxels than 512 x 512 x 512", "resample the volume");
     }
-    float low = grid->background(), high = low;
-    for (auto it = grid->cbeginValueOn(); it; ++it) low = std::min(low, *it), high = std::max(high, *it);
     const openvdb::GridClass said = grid->getGridClass();
+    float low = grid->background(), high = low;
+    if (said != openvdb::GRID_LEVEL_SET) {
+        for (auto it = grid->cbeginValueOn(); it; ++it) low = std::min(low, *it), high = std::max(high, *it);
+    }
     // A density is 0 where there is nothing; a distance is positive there.
     const bool looks_like_distances = said == openvdb::GRID_UNKNOWN && grid->background() > 0 && low < 0;
     if (looks_like_distances && isovalue == "auto") {
@@ -97,13 +99,11 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
     } else if (!is_level_set) {
         notes.emplace_back("The surface is where the density passes 0.5; --isovalue chooses another value.");
     }
-    if (!is_level_set) {
-        if (!(low < value && value < high)) {
-            char text[96];
-            std::snprintf(text, sizeof text, "its values run from %g to %g, so there is no surface at %g", low, high,
-                          value);
-            throw ReadError(file, text, "choose --isovalue between them");
-        }
+    if (!is_level_set && !(low < value && value < high)) {
+        char text[96];
+        std::snprintf(text, sizeof text, "its values run from %g to %g, so there is no surface at %g", low, high,
+                      value);
+        throw ReadError(file, text, "choose --isovalue between them");
     }
     TriangleMesh mesh = surface_of(*grid, value);
     if (signed_volume(mesh) < 0) {

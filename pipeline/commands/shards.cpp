@@ -387,8 +387,7 @@ int merge(const ShardOptions& options) {
     const bool complete = data.pairs_missing == 0 || round_there;
     for (const std::string& damage : damaged) {
         if (complete) {
-            const std::string remark = damage + "; all pairs are there all the same";
-            summary.add_remark(remark);
+            summary.add_remark(damage + "; all pairs are there all the same");
         } else {
             problems.push_back({"", "", damage + "; run the shard again, it computes only what is missing"});
         }

@@ -79,9 +79,9 @@ void write_file(const fs::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
-void make_disks(const fs::path& folder, int n) {
-    const Outcome made = morphodesic(
-        {"datasets", "disks", "--out", folder.string(), "--count", std::to_string(n), "--size", "64", "--quiet"});
+void make_disks(const fs::path& folder, int n, int pixels) {
+    const Outcome made = morphodesic({"datasets", "disks", "--out", folder.string(), "--count", std::to_string(n),
+                                      "--size", std::to_string(pixels), "--quiet"});
     ASSERT_EQ(made.code, 0) << made.err;
 }
 

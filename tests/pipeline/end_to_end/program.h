@@ -48,8 +48,8 @@ private:
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& bytes);
 
-/// A collection of n disks and m matchstick men; small and quick at --level 4.
-void make_disks(const std::filesystem::path& folder, int n);
+/// A collection of n disks on pictures of so many pixels a side; small and quick at --level 4.
+void make_disks(const std::filesystem::path& folder, int n, int pixels = 64);
 
 /// Options that make a pair a matter of milliseconds.
 std::vector<std::string> quick(std::vector<std::string> arguments);

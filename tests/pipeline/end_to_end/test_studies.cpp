@@ -106,10 +106,7 @@ TEST(Study, AShapeThatDoesNotFitRescalesAllAndSaysSo) {
 TEST(Study, AStrayFileThatIsGoneAgainDoesNotKeepTheOthersSmall) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
-    ASSERT_EQ(morphodesic({"datasets", "disks", "--out", (folder / "stray").string(), "--count", "1", "--size", "900",
-                           "--quiet"})
-                  .code,
-              0);
+    make_disks(folder / "stray", 1, 900);
     const fs::path stray = folder / "disks/stray.png";
     fs::copy_file(folder / "stray/disk-01.png", stray);
     const auto command = quick({"run", (folder / "disks").string(), "--json"});
@@ -131,10 +128,7 @@ TEST(Study, AStrayFileThatIsGoneAgainDoesNotKeepTheOthersSmall) {
 TEST(Study, MadeFromAnotherFolderIsNotTakenOverInSilence) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
-    ASSERT_EQ(morphodesic({"datasets", "disks", "--out", (folder / "others").string(), "--count", "2", "--size", "48",
-                           "--quiet"})
-                  .code,
-              0);
+    make_disks(folder / "others", 2, 48);
     const std::string study = (folder / "study").string();
     ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--out", study, "--quiet"})).code, 0);
     const Outcome other = morphodesic(quick({"run", (folder / "others").string(), "--out", study}));
