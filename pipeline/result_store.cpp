@@ -274,7 +274,9 @@ struct ResultStore::Impl {
             database.execute("PRAGMA synchronous = FULL");
             database.execute("PRAGMA wal_autocheckpoint = 1000");
         }
-        Statement check = database.prepare("PRAGMA quick_check(1)");
+        // Not quick_check: it does not see that keys of a tree are out of order, and a search in such a tree misses
+        // rows that are there. The whole check takes 1.8 times as long (1.8 s for 300,000 pairs).
+        Statement check = database.prepare("PRAGMA integrity_check(1)");
         if (check.step() && check.text(0) != "ok") {
             throw StoreError(
                 database.file(),

@@ -35,12 +35,8 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
     if (data.given && data.pairs_missing > 0) {
         summary.lines.push_back(std::to_string(data.pairs_missing) +
                                 (data.pairs_missing == 1 ? " pair has no distance" : " pairs have no distance"));
-    } else if (data.pairs_missing > static_cast<long>(data.damaged.size())) {
-        const long missing = data.pairs_missing - static_cast<long>(data.damaged.size());
-        summary.add_shortfall(
-            std::to_string(missing) +
-            (missing == 1 ? " pair is not computed yet; do it" : " pairs are not computed yet; do it") +
-            " with: morphodesic geodesics " + folder.path().string());
+    } else {
+        summary.add_missing_pairs(data, folder.path());
     }
     return summary;
 }

@@ -271,6 +271,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     summary.lines.push_back(head + " in " + duration_text(seconds));
     if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
+    if (solve) summary.add_missing_pairs(data, at.folder.path());
     if (with_report) {
         export_report(data, *at.store, at.folder, options, at.progress, summary);
     } else {

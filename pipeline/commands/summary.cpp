@@ -20,6 +20,14 @@ void Summary::add_shortfall(const std::string& sentence) {
     if (exit_code == all_done) exit_code = some_failed;
 }
 
+void Summary::add_missing_pairs(const StudyData& data, const std::filesystem::path& study) {
+    const long missing = data.pairs_missing - static_cast<long>(data.damaged.size());
+    if (missing <= 0) return;
+    add_shortfall(std::to_string(missing) +
+                  (missing == 1 ? " pair is not computed yet; do it" : " pairs are not computed yet; do it") +
+                  " with: morphodesic geodesics " + study.string());
+}
+
 void Summary::add_failures(std::vector<StudyFailure> failures) {
     constexpr std::size_t shown = 20;
     failures.insert(failures.end(), cut_off.begin(), cut_off.end());
