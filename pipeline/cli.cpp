@@ -545,6 +545,7 @@ int guarded_run(const std::vector<std::string>& arguments) {
 
 int run_program(const std::vector<std::string>& arguments) {
     open_standard_streams();
+    const PrintableErrors printable_errors;
     StopSignals::install();
     const int code = guarded_run(arguments);
     if ((code == all_done || code == some_failed) && output_lost()) {

@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/standard_streams.h"
+
 namespace morphodesic::pipeline {
 namespace {
 
@@ -97,7 +99,7 @@ void Progress::message(const std::string& text) {
     if (style_ == Style::silent) return;
     const std::scoped_lock lock(mutex_);
     clear_line();
-    write_(text + "\n");
+    write_(printable(text) + "\n");
 }
 
 void Progress::begin_pairs(long total, long stored, long missing, int at_once) {

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "pipeline/process_limits.h"
+#include "pipeline/standard_streams.h"
 
 namespace morphodesic::pipeline {
 
@@ -20,12 +21,12 @@ void Summary::add_shortfall(const std::string& sentence) {
     if (exit_code == all_done) exit_code = some_failed;
 }
 
-void Summary::add_missing_pairs(const StudyData& data, const std::filesystem::path& study) {
-    const long missing = data.pairs_missing - static_cast<long>(data.damaged.size());
+void Summary::add_missing_pairs(const StudyData& study, const std::filesystem::path& folder) {
+    const long missing = study.pairs_missing - static_cast<long>(study.damaged.size());
     if (missing <= 0) return;
     add_shortfall(std::to_string(missing) +
                   (missing == 1 ? " pair is not computed yet; do it" : " pairs are not computed yet; do it") +
-                  " with: morphodesic geodesics " + study.string());
+                  " with: morphodesic geodesics " + folder.string());
 }
 
 void Summary::add_failures(std::vector<StudyFailure> failures) {
@@ -65,7 +66,7 @@ int Summary::print(const CommonOptions& options) {
         data["exit_code"] = exit_code;
         std::cout << data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
     } else if (!options.quiet) {
-        for (const std::string& line : lines) std::cout << line << "\n";
+        for (const std::string& line : lines) std::cout << printable(line) << "\n";
         std::cout << std::flush;
     }
     if ((options.json || options.quiet) && exit_code != all_done) {

@@ -24,7 +24,7 @@ struct Summary {
     void add_shortfall(const std::string& sentence);
     /// Says how many pairs of the study have no result yet, but for those whose damaged results are failures of their
     /// own.
-    void add_missing_pairs(const StudyData& data, const std::filesystem::path& study);
+    void add_missing_pairs(const StudyData& study, const std::filesystem::path& folder);
     /// Lists failures, then the shapes that are cut off, in words (the first twenty) and in full in the JSON object;
     /// makes the exit code 1 if there are any.
     void add_failures(std::vector<StudyFailure> failures);

@@ -207,5 +207,19 @@ TEST(BadInput, AnyNameOfAGoodShapeIsCarriedThrough) {
     EXPECT_EQ(json::parse(morphodesic(quick({"run", (folder / "odd").string(), "--json"})).out)["pairs_computed"], 0);
 }
 
+TEST(BadInput, NamesGiveTheTerminalNoCommands) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    write_file(folder / "disks/\x1b]0;title\x07\x1b[2J.png", "");
+    for (const std::vector<std::string>& way : {std::vector<std::string>{}, {"--quiet"}}) {
+        std::vector<std::string> command{"run", (folder / "disks").string()};
+        command.insert(command.end(), way.begin(), way.end());
+        const Outcome done = morphodesic(quick(command));
+        EXPECT_EQ(done.code, 1) << done.err;
+        EXPECT_EQ((done.out + done.err).find_first_of("\x1b\x07"), std::string::npos) << done.out << done.err;
+        EXPECT_THAT(done.out + done.err, testing::HasSubstr("\\x1b]0;title\\x07\\x1b[2J.png"));
+    }
+}
+
 }  // namespace
 }  // namespace morphodesic::tests
