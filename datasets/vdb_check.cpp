@@ -63,7 +63,7 @@ private:
 
 struct Description {
     bool is_level_set = false;
-    std::int64_t voxels = 0;  ///< as the file says, 0 if it does not
+    std::int64_t voxels = -1;  ///< as the file says, -1 if it does not
 };
 
 /// Pairs of a name and a value of any type.
@@ -82,8 +82,16 @@ Description read_metadata(Bytes& bytes) {
     return result;
 }
 
-bool is_number_tree(std::string_view type) {
-    return type.starts_with("Tree_float_5_4_3") || type.starts_with("Tree_double_5_4_3");
+/// How likely a grid is the shape; 0 if it can be none.
+int rank_of(std::string_view type, const Description& description) {
+    const auto begins_with = [&](std::string_view begin) { return type.starts_with(begin); };
+    constexpr std::array<std::string_view, 2> numbers{"Tree_float_5_4_3", "Tree_double_5_4_3"};
+    constexpr std::array<std::string_view, 4> masks{"Tree_int32_5_4_3", "Tree_int64_5_4_3", "Tree_bool_5_4_3",
+                                                    "Tree_mask_5_4_3"};
+    const bool holds_numbers = std::any_of(numbers.begin(), numbers.end(), begins_with);
+    if (!holds_numbers && std::none_of(masks.begin(), masks.end(), begins_with)) return 0;
+    if (description.voxels == 0) return 1;
+    return !holds_numbers ? 2 : description.is_level_set ? 4 : 3;
 }
 
 bool is_regular(std::string_view map) {
@@ -131,7 +139,7 @@ CheckedVdb check_vdb(const fs::path& file, double max_megabytes, std::size_t mos
     CheckedVdb result;
     const auto count = bytes.value<std::int32_t>();
     if (count < 0) bytes.breaks_off();
-    bool found_level_set = false;
+    int best = 0;
     for (std::int32_t i = 0; i < count; ++i) {
         const std::size_t begin = bytes.at();
         const std::string_view name = bytes.name(), type = bytes.name(), shared_with = bytes.name();
@@ -144,17 +152,18 @@ CheckedVdb check_vdb(const fs::path& file, double max_megabytes, std::size_t mos
         bytes.go_to(end);
         ++result.grid_count;
         // A grid that shares the tree of another is that grid elsewhere: the other one will do.
-        if (!is_number_tree(type) || !shared_with.empty() || found_level_set) continue;
+        if (!shared_with.empty()) continue;
         Bytes inside(file, grid);
         if (version >= flag_per_grid) inside.take(sizeof(std::uint32_t));
         const Description description = read_metadata(inside);
-        if (!result.content.empty() && !description.is_level_set) continue;
+        const int rank = rank_of(type, description);
+        if (rank <= best) continue;
+        best = rank;
         // What the file says of itself is looked at before its values are read.
         if (description.voxels > static_cast<std::int64_t>(most_voxels)) {
             throw ReadError(file, "it has more voxels than 512 x 512 x 512", "resample the volume");
         }
         if (!is_regular(inside.name())) throw ReadError(file, "its grid is not a regular one", "resample it");
-        found_level_set = description.is_level_set;
         result.grid_name = name.substr(0, name.find('\x1e'));  // a number that tells grids of one name apart follows
         result.content.assign(content, 0, header_size);
         put(result.content, std::uint32_t{0});  // metadata

@@ -14,8 +14,9 @@ struct CheckedVdb {
 };
 
 /// Walks through the header, the names and the descriptions of all grids, and takes the first level set, else the first
-/// grid of numbers. OpenVDB believes every count and length in a file, and beyond its end it finds garbage: a file that
-/// breaks off could take all memory.
+/// grid of floating-point numbers, else of whole numbers or of yes and no; one that says it is empty only as the last.
+/// OpenVDB believes every count and length in a file, and beyond its end it finds garbage: a file that breaks off could
+/// take all memory.
 /// @param most_voxels  more are refused
 /// @throws ReadError if the file breaks off, promises more than it holds, or is too large
 CheckedVdb check_vdb(const std::filesystem::path& file, double max_megabytes, std::size_t most_voxels);

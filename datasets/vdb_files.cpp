@@ -74,8 +74,7 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
                             "\" was used.");
         }
     }
-    if (!grid)
-        throw ReadError(file, "there is no grid of floating-point numbers in it", "save a level set or a density");
+    if (!grid) throw ReadError(file, "there is no grid of numbers in it", "save a level set, a density or a mask");
     if (!grid->transform().isLinear()) throw ReadError(file, "its grid is not a regular one", "resample it");
     const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
     if (box.empty()) throw ReadError(file, "its grid is empty", "export or download the file again");

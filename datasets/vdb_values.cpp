@@ -30,12 +30,26 @@ constexpr unsigned patience = 300;  // seconds
 /// What the reading process sends first: whether a stream follows or a sentence.
 enum class Answer : char { grid = 'g', nothing = 'n', fault = 'f' };
 
+/// The values as floats, also those that are not active, such as the inside of a level set; null for other grids.
+template <class Grid>
+openvdb::FloatGrid::Ptr converted(const openvdb::GridBase::Ptr& base) {
+    const auto grid = openvdb::gridPtrCast<Grid>(base);
+    return grid ? std::make_shared<openvdb::FloatGrid>(*grid) : nullptr;
+}
+
 openvdb::FloatGrid::Ptr float_grid(const openvdb::GridBase::Ptr& base) {
     if (auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base)) return grid;
-    if (auto other = openvdb::gridPtrCast<openvdb::DoubleGrid>(base)) {
-        return std::make_shared<openvdb::FloatGrid>(*other);  // also what is not active: the inside of a level set
+    if (const auto mask = openvdb::gridPtrCast<openvdb::MaskGrid>(base)) {
+        auto tree = std::make_shared<openvdb::FloatTree>(mask->tree(), 0.0F, 1.0F, openvdb::TopologyCopy());
+        auto grid = openvdb::FloatGrid::create(tree);
+        grid->setTransform(mask->transformPtr());
+        return grid;
     }
-    return nullptr;
+    auto grid = converted<openvdb::DoubleGrid>(base);
+    if (!grid) grid = converted<openvdb::Int32Grid>(base);
+    if (!grid) grid = converted<openvdb::Int64Grid>(base);
+    if (!grid) grid = converted<openvdb::BoolGrid>(base);
+    return grid;
 }
 
 openvdb::GridBase::Ptr first_grid(std::string content) {

@@ -241,13 +241,53 @@ TEST(VdbFiles, WhatAGridHoldsIsToldByItsKindAndValues) {
     openvdb::tools::sdfToFogVolume(*fog);
     EXPECT_GT(volume_of(fog, notes), 0.5 * exact);
     EXPECT_THAT(notes, testing::ElementsAre(HasSubstr("passes 0.5")));
-    EXPECT_THAT(vdb_refusal([&] {
-                    openvdb::io::File out(file.string());
-                    out.write({openvdb::Int32Grid::create()});
-                    out.close();
-                    return file;
-                }()),
-                HasSubstr("no grid of floating-point numbers"));
+}
+
+TEST(VdbFiles, MasksAndTheGridThatIsMostLikelyTheShape) {
+    openvdb::initialize();
+    const FileFolder folder;
+    const auto file = folder.path() / "grids.vdb";
+    const auto write = [&](const openvdb::GridPtrVec& grids) {
+        for (std::size_t i = 0; i < grids.size(); ++i) grids[i]->setName("grid " + std::to_string(i));
+        openvdb::io::File out(file.string());
+        out.write(grids);
+        out.close();
+    };
+    std::vector<std::string> notes;
+    const auto volume = [&] {
+        notes.clear();
+        return signed_volume(read_vdb_surface(file, "auto", 100, notes));
+    };
+    const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, {0, 0, 0}, 1, 3);
+    const auto small = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(10, {0, 0, 0}, 1, 3);
+    const double exact = 4.0 / 3.0 * 3.14159265 * 8000;
+    const openvdb::BoolGrid::Ptr inside = openvdb::tools::sdfInteriorMask(*ball);
+    const auto labels = openvdb::Int32Grid::create(0);
+    labels->tree().topologyUnion(inside->tree());
+    for (auto it = labels->beginValueOn(); it; ++it) it.setValue(it.getCoord()[0] < 0 ? 1 : 2);
+    const auto mask = openvdb::MaskGrid::create();
+    mask->tree().topologyUnion(inside->tree());
+    for (const openvdb::GridBase::Ptr& grid : openvdb::GridPtrVec{inside, labels, mask}) {
+        write({grid});
+        EXPECT_NEAR(volume(), exact, 0.02 * exact) << grid->type();
+    }
+    // A level set before a density, numbers before a mask, whatever comes first; what is empty only as the last.
+    const auto fog = ball->deepCopy();
+    openvdb::tools::sdfToFogVolume(*fog);
+    write({mask, fog, small->deepCopy()});
+    EXPECT_NEAR(volume(), exact / 8, 0.02 * exact / 8);
+    EXPECT_THAT(notes, testing::ElementsAre(HasSubstr("Of 3 grids, \"grid 2\" was used")));
+    write({mask, fog});
+    EXPECT_LT(volume(), 0.95 * exact);
+    EXPECT_THAT(notes, testing::Contains(HasSubstr("\"grid 1\" was used")));
+    const auto empty = openvdb::FloatGrid::create(3.0F);
+    empty->setGridClass(openvdb::GRID_LEVEL_SET);
+    write({empty, openvdb::Vec3SGrid::create(), mask});
+    EXPECT_NEAR(volume(), exact, 0.02 * exact);
+    write({empty});
+    EXPECT_THAT(vdb_refusal(file), HasSubstr("empty"));
+    write({openvdb::Vec3SGrid::create()});
+    EXPECT_THAT(vdb_refusal(file), HasSubstr("no grid of numbers"));
 }
 
 TEST(VdbFiles, NamesMayBeWrittenInAnyLetters) {
