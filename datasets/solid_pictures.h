@@ -36,7 +36,7 @@ ViewAxes axes_of(const View& view);
 struct ColourRange {
     double low = 0.0, high = 1.0;
     /// Red, green and blue in [0,1] for 0 (low) to 1 (high); empty: blue-violet over green to yellow (viridis).
-    std::function<std::array<double, 3>(double)> map;
+    std::function<std::array<double, 3>(double)> map = {};
 };
 
 /// The axis of a collection that points up, by the custom of its file formats: y for OBJ and OFF, z for the others.

@@ -1,10 +1,10 @@
 #include "pipeline/classify_screening.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -82,7 +82,7 @@ std::vector<TemplateResult<Dim>> compare_with_templates(
     // All templates, all ways to lay the query on them: nothing is deformed yet.
     std::vector<std::vector<typename PartialMatcher<Dim>::Guess>> guesses(results.size());
     std::vector<std::string> problems(results.size(), "no alignment was found");
-    tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t r) {
+    for_each_whole(results.size(), [&](std::size_t r) {
         results[r].measured.distance = nan;
         if (stop && stop()) return;
         try {
@@ -101,7 +101,7 @@ std::vector<TemplateResult<Dim>> compare_with_templates(
     }
     const double guess_limit = options.screening ? limit_of(guessed, guess_factor) : infinity;
     // First geodesics: the best start of each template.
-    tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t r) {
+    for_each_whole(results.size(), [&](std::size_t r) {
         TemplateResult<Dim>& result = results[r];
         if (stop && stop()) return;
         std::erase_if(guesses[r], [&](const auto& guess) { return guess.score > guess_limit; });
@@ -147,7 +147,7 @@ std::vector<TemplateResult<Dim>> compare_with_templates(
             }
         }
         first = estimate;
-        tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t r) {
+        for_each_whole(results.size(), [&](std::size_t r) {
             if (!alive[r] || (stop && stop())) return;
             TemplateResult<Dim>& result = results[r];
             result.measured = query.measure(*templates[result.item], result.start, stages[s].geodesic, stop);

@@ -1,7 +1,5 @@
 #include "pipeline/classify_templates.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -9,6 +7,7 @@
 #include "pipeline/collection.h"
 #include "pipeline/result_store.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -75,7 +74,7 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
     const std::size_t count = scan.sources.size();
     std::vector<std::optional<datasets::RawShape<Dim>>> raw(count);
     std::vector<std::string> problems(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    for_each_whole(count, [&](std::size_t i) {
         try {
             raw[i] = datasets::read_shape<Dim>(scan.sources[i], settings.import);
         } catch (const datasets::ReadError& error) {
@@ -90,7 +89,7 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
         if (!radii.empty()) set.placement.scale = datasets::common_scale(radii);
     }
     std::vector<std::shared_ptr<const ComparedShape<Dim>>> shapes(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    for_each_whole(count, [&](std::size_t i) {
         if (!raw[i]) return;
         try {
             shapes[i] =

@@ -1,7 +1,5 @@
 #include "pipeline/collection.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -13,6 +11,7 @@
 #include "datasets/solid_reader.h"
 #include "pipeline/digest.h"
 #include "pipeline/stop_signals.h"
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -216,7 +215,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     if (!collection.entries.empty())
         progress.message(std::to_string(collection.entries.size()) + " shapes in " + folder.string());
     std::atomic<std::size_t> kept_bytes{0};
-    tbb::parallel_for(std::size_t{0}, collection.entries.size(), [&](std::size_t i) {
+    for_each_whole(collection.entries.size(), [&](std::size_t i) {
         if (StopSignals::caught() != 0) return;
         CollectionEntry& entry = collection.entries[i];
         const auto found = known.find(entry.source.name);

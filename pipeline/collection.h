@@ -22,7 +22,7 @@ struct CollectionEntry {
     bool needs_import = false;     ///< the store has no level set for these settings
     /// A solid as it was read to be measured, so that its repair, the dearest part, is not done twice. Whoever imports
     /// the entry takes it out. Null: read the file again.
-    std::shared_ptr<std::optional<datasets::RawShape<3>>> measured;
+    std::shared_ptr<std::optional<datasets::RawShape<3>>> measured = {};
 };
 
 /// The files of a study and how they are placed in the cube.

@@ -1,12 +1,11 @@
 #include "pipeline/figure_files.h"
 
-#include <tbb/parallel_for.h>
-
 #include <fstream>
 #include <iterator>
 #include <set>
 #include <string>
 
+#include "pipeline/whole_tasks.h"
 #include "reports/figures.h"
 
 namespace morphodesic::pipeline {
@@ -42,7 +41,7 @@ void write_figures(const reports::ReportModel& model, const StudyFolder& folder)
         const fs::path file = entry.path();
         if (is_figure(file) && !names.contains(file.stem().string())) fs::remove(file, ignored);
     }
-    tbb::parallel_for(std::size_t{0}, figures.size(), [&](std::size_t k) {
+    for_each_whole(figures.size(), [&](std::size_t k) {
         const reports::Figure& figure = figures[k];
         const auto file = [&](const char* ending) { return below / (figure.name + ending); };
         const bool there = fs::exists(folder.path() / file(".pdf")) && fs::exists(folder.path() / file(".png"));

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "pipeline/shape_cache.h"
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -146,8 +147,7 @@ StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>&
     }
     try {
         const ScalarField<Dim> known_everywhere;
-        // Isolated: a thread that waits inside this pair must not begin another one.
-        GeodesicResult<Dim> result = tbb::this_task_arena::isolate([&] {
+        GeodesicResult<Dim> result = run_whole([&] {
             return compute_discrete_geodesic<Dim>(*a.level_set, *b.level_set, options,
                                                   a.mask ? *a.mask : known_everywhere,
                                                   [&](const LevelReport&) { return !(stop && stop()); });
@@ -198,9 +198,7 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
         });
         flow::function_node<std::size_t, ImportedShape<Dim>> import(
             graph, static_cast<std::size_t>(options.threads), [&](std::size_t index) {
-                return guarded([&] {
-                    return tbb::this_task_arena::isolate([&] { return import_entry<Dim>(collection, index, store); });
-                });
+                return guarded([&] { return run_whole([&] { return import_entry<Dim>(collection, index, store); }); });
             });
         flow::multifunction_node<ImportedShape<Dim>, std::tuple<GeodesicKey>> schedule(
             graph, flow::serial, [&](const ImportedShape<Dim>& shape, auto& ports) {

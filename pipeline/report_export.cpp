@@ -1,6 +1,4 @@
 // Pictures, paths, report.json, report.html and figures/ of a study.
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +18,7 @@
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_comparison.h"
 #include "pipeline/volume_comparison.h"
+#include "pipeline/whole_tasks.h"
 #include "reports/report.h"
 
 namespace morphodesic::pipeline {
@@ -42,13 +41,12 @@ void add_thumbnails(const StudyData& data, const ResultStore& store, const Study
     const std::vector<std::size_t>& kept = analysed.analysis.kept;
     const auto shape = [&](std::size_t i) { return store.level_set<Dim>(data.shapes[kept[i]].content_digest); };
     std::vector<double> reach(kept.size());
-    tbb::parallel_for(std::size_t{0}, kept.size(),
-                      [&](std::size_t i) { reach[i] = picture_reach<Dim>(shape(i), view.of(kept[i])); });
+    for_each_whole(kept.size(), [&](std::size_t i) { reach[i] = picture_reach<Dim>(shape(i), view.of(kept[i])); });
     std::vector<double> sorted = reach;
     std::sort(sorted.begin(), sorted.end());
     analysed.model.pictures_at_one_scale = sorted[sorted.size() / 2] >= 0.65 * sorted.back();
     if (analysed.model.pictures_at_one_scale) reach.assign(kept.size(), sorted.back());
-    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+    for_each_whole(kept.size(), [&](std::size_t i) {
         const RgbaImage image = shape_picture(shape(i), thumbnail_pixels, near_view<Dim>(view.of(kept[i]), reach[i]));
         analysed.model.shapes[i].thumbnail = {encode_png(image), image.width, image.height, data.shapes[kept[i]].name};
     });
@@ -124,7 +122,7 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
     if (!chosen.empty()) progress.message("drawing " + std::to_string(chosen.size()) + " paths");
     std::vector<reports::PathReport> paths(chosen.size());
     std::vector<std::string> remarks(chosen.size());
-    tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t p) {
+    for_each_whole(chosen.size(), [&](std::size_t p) {
         if (StopSignals::caught() != 0) return;
         const auto [a, b] = chosen[p];
         const std::size_t i = analysed.analysis.kept[static_cast<std::size_t>(a)],

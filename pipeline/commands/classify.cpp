@@ -2,7 +2,6 @@
 #include "pipeline/commands/classify.h"
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -25,6 +24,7 @@
 #include "pipeline/commands/summary.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -183,7 +183,7 @@ public:
             if (!pictured.query) continue;
             page.queries[i].picture = query_picture<Dim>(pictured.query->level_set, pictured.query->mask, 240);
             page.queries[i].strips.resize(pictured.starts.size());
-            tbb::parallel_for(std::size_t{0}, pictured.starts.size(), [&](std::size_t s) {
+            for_each_whole(pictured.starts.size(), [&](std::size_t s) {
                 const auto& [item, start] = pictured.starts[s];
                 page.queries[i].strips[s] = filmstrip<Dim>(pictured.query, *set_.shapes[item], start, run);
             });
@@ -198,9 +198,9 @@ private:
     void count(std::size_t n, const Body& body) {
         std::atomic<std::size_t> done{0};
         std::atomic<double> shown{now()};
-        tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
+        for_each_whole(n, [&](std::size_t i) {
             if (stopped()) return;
-            tbb::this_task_arena::isolate([&] { body(i); });
+            body(i);
             const std::size_t finished = ++done;
             double before = shown.load();
             if (now() - before > 10.0 && shown.compare_exchange_strong(before, now())) {

@@ -1,7 +1,6 @@
 // plan, shard, merge: one study on several processes or machines.
 #include <sys/stat.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -24,6 +23,7 @@
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
 #include "pipeline/study_rounds.h"
+#include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -152,21 +152,16 @@ long solve_shard(const ShardPlan& plan, int shard, const ResultStore& store, Sha
     for (const auto& keys : tiles) {
         ShapeCache<Dim> shapes(store, memory.shapes);  // those of the tile are read once
         arena.execute([&] {
-            tbb::parallel_for(
-                tbb::blocked_range<std::size_t>(0, keys.size(), 1),
-                [&](const tbb::blocked_range<std::size_t>& range) {
-                    for (std::size_t k = range.begin(); k < range.end(); ++k) {
-                        if (stop()) return;
-                        const StoredGeodesic row =
-                            solve_pair<Dim>(shapes.get(keys[k].first), shapes.get(keys[k].second), plan.geodesic, stop);
-                        if (row.failure.empty() && row.termination == Termination::cancelled) return;
-                        out.append(row);
-                        ++solved_now;
-                        if (!row.problem().empty()) ++failed_now;
-                        progress.pair_done(row.problem().empty(), row.seconds);
-                    }
-                },
-                tbb::simple_partitioner());
+            for_each_whole(keys.size(), [&](std::size_t k) {
+                if (stop()) return;
+                const StoredGeodesic row =
+                    solve_pair<Dim>(shapes.get(keys[k].first), shapes.get(keys[k].second), plan.geodesic, stop);
+                if (row.failure.empty() && row.termination == Termination::cancelled) return;
+                out.append(row);
+                ++solved_now;
+                if (!row.problem().empty()) ++failed_now;
+                progress.pair_done(row.problem().empty(), row.seconds);
+            });
         });
         if (stop()) break;
     }

@@ -217,6 +217,30 @@ TEST_F(RandomFaults, AFullFileSystemEndsWithAdviceAndNothingIsLost) {
     EXPECT_EQ(shell("umount '" + disk.string() + "'").code, 0);
 }
 
+TEST_F(RandomFaults, AShardOnAFullFileSystemEndsWithAMessageAndGoesOnLater) {
+    const fs::path disk = folder_ / "disk";
+    fs::create_directories(disk);
+    ASSERT_EQ(morphodesic(quick({"ingest", men_.string(), "--out", (folder_ / "p.study").string()})).code, 0);
+    ASSERT_EQ(morphodesic({"plan", (folder_ / "p.study").string(), "--shards", "1"}).code, 0);
+    for (const char* size : {"4k", "8k", "8k", "12k", "12k"}) {
+        if (shell("mount -t tmpfs -o size=" + std::string(size) + " tmpfs '" + disk.string() + "'").code != 0) {
+            GTEST_SKIP() << "only root can make a small file system";
+        }
+        const std::vector<std::string> shard{
+            "shard", (folder_ / "p.study").string(), "1/1", "--out", disk / "r.jsonl", "--threads", "4"};
+        const Outcome done = morphodesic(shard);
+        EXPECT_EQ(done.code, 3) << size << done.err;
+        EXPECT_THAT(done.err, HasSubstr("r.jsonl")) << size;
+        EXPECT_EQ(shell("mount -o remount,size=10m '" + disk.string() + "'").code, 0);
+        const Outcome later = morphodesic(shard);
+        EXPECT_EQ(later.code, 0) << size << later.err;
+        EXPECT_EQ(morphodesic({"merge", (folder_ / "p.study").string(), disk / "r.jsonl"}).code, 0) << size;
+        EXPECT_EQ(shell("umount '" + disk.string() + "'").code, 0);
+    }
+    ASSERT_EQ(morphodesic({"analyze", (folder_ / "p.study").string()}).code, 0);
+    EXPECT_EQ(read_file(folder_ / "p.study/distances.csv"), bytes_);
+}
+
 TEST_F(RandomFaults, FilesThatChangeOrGoDuringTheRunDoNotReachItsResults) {
     const fs::path copy = folder_ / "copy";
     fs::copy(men_, copy, fs::copy_options::recursive);
