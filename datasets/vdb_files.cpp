@@ -104,7 +104,13 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
                       value);
         throw ReadError(file, text, "choose --isovalue between them");
     }
-    TriangleMesh mesh = surface_of(*grid, value);
+    TriangleMesh mesh;
+    try {
+        mesh = surface_of(*grid, value);
+    } catch (const openvdb::Exception&) {
+        throw ReadError(file, "some of its values are NaN or infinite, so there is no closed surface",
+                        "export it again with numbers everywhere");
+    }
     if (signed_volume(mesh) < 0) {
         for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     }

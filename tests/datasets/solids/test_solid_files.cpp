@@ -290,6 +290,18 @@ TEST(VdbFiles, MasksAndTheGridThatIsMostLikelyTheShape) {
     EXPECT_THAT(vdb_refusal(file), HasSubstr("no grid of numbers"));
 }
 
+TEST(VdbFiles, ValuesThatAreNoNumbersAreRefused) {
+    openvdb::initialize();
+    const FileFolder folder;
+    const auto file = folder.path() / "grid.vdb";
+    const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, {0, 0, 0}, 1, 3);
+    ball->tree().setValueOn({20, 0, 0}, std::numeric_limits<float>::quiet_NaN());
+    openvdb::io::File out(file.string());
+    out.write({ball});
+    out.close();
+    EXPECT_THAT(vdb_refusal(file), HasSubstr("NaN or infinite"));
+}
+
 TEST(VdbFiles, NamesMayBeWrittenInAnyLetters) {
     EXPECT_TRUE(is_vdb("a.vdb") && is_vdb("a.VDB") && is_vdb("a.Vdb"));
     EXPECT_FALSE(is_vdb("vdb"));
