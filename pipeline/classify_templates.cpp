@@ -77,8 +77,8 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
     for_each_whole(count, [&](std::size_t i) {
         try {
             raw[i] = datasets::read_shape<Dim>(scan.sources[i], settings.import);
-        } catch (const datasets::ReadError& error) {
-            problems[i] = error.what();
+        } catch (const std::exception&) {
+            problems[i] = problem_of_file(scan.sources[i].path.string(), " to read it; use a smaller file");
         }
     });
     if (settings.normalize == "common") {
@@ -94,8 +94,8 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
         try {
             shapes[i] =
                 std::make_shared<const ComparedShape<Dim>>(compared(datasets::normalize(*raw[i], set.placement)));
-        } catch (const datasets::ReadError& error) {
-            problems[i] = error.what();
+        } catch (const std::exception&) {
+            problems[i] = problem_of_file(scan.sources[i].path.string(), " to read it; use a smaller file");
         }
     });
     for (std::size_t i = 0; i < count; ++i) {

@@ -107,21 +107,6 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
     row.placing.clear();
 }
 
-/// Why the file is left out, from the exception that is being handled. What a reader did not expect, too, concerns one
-/// file; the others go on.
-/// @param less_memory  what to do where the memory did not suffice
-std::string problem_of(const std::string& path, const char* less_memory) {
-    try {
-        throw;
-    } catch (const datasets::ReadError& error) {
-        return error.what();
-    } catch (const std::bad_alloc&) {
-        return path + ": not enough memory" + less_memory;
-    } catch (const std::exception& error) {
-        return path + ": cannot be read (" + error.what() + "); open and save it again in another format";
-    }
-}
-
 constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // some sixty scans rebuilt on a grid
 
 /// @param kept_bytes  of the solids that were kept so far
@@ -135,7 +120,7 @@ void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std
             entry.measured = std::make_shared<std::optional<datasets::RawShape<3>>>(std::move(raw));
         }
     } catch (const std::exception&) {
-        entry.row.problem = problem_of(entry.row.path, " to read it; use a smaller file");
+        entry.row.problem = problem_of_file(entry.row.path, " to read it; use a smaller file");
     }
 }
 
@@ -178,6 +163,18 @@ std::string remark_on_origin(const fs::path& folder, const Collection& collectio
 }
 
 }  // namespace
+
+std::string problem_of_file(const std::string& path, const char* less_memory) {
+    try {
+        throw;
+    } catch (const datasets::ReadError& error) {
+        return error.what();
+    } catch (const std::bad_alloc&) {
+        return path + ": not enough memory" + less_memory;
+    } catch (const std::exception& error) {
+        return path + ": cannot be read (" + error.what() + "); open and save it again in another format";
+    }
+}
 
 std::string size_warning(const std::vector<SizedName>& sizes) {
     if (sizes.size() < 2) return "";
@@ -375,7 +372,7 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         result.row.notes = shape.notes;
         take(std::move(shape.level_set), std::move(shape.occlusion_mask));
     } catch (const std::exception&) {
-        result.row.problem = problem_of(entry.row.path, "; use a smaller file or a lower --level");
+        result.row.problem = problem_of_file(entry.row.path, "; use a smaller file or a lower --level");
     }
     if (!result.row.problem.empty()) result.row.content_digest.clear();
     return result;

@@ -47,6 +47,11 @@ struct SizedName {
 /// A sentence with advice if sizes that are to be placed at one scale differ by more than a factor of five; else empty.
 [[nodiscard]] std::string size_warning(const std::vector<SizedName>& sizes);
 
+/// Why a file is left out, from the exception that is being handled. What a reader did not expect, too, concerns one
+/// file; the others go on.
+/// @param less_memory  what to do where the memory did not suffice
+[[nodiscard]] std::string problem_of_file(const std::string& path, const char* less_memory);
+
 /// Scans the folder, finds out which files are new or changed and measures them, and finds the common scale, see
 /// choose_common_scale. The store is only read: settle_collection writes down what was found.
 /// @throws datasets::ReadError if the folder cannot be read, StoreError, std::invalid_argument for broken settings
