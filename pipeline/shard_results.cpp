@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <type_traits>
 
 #include "pipeline/digest.h"
 #include "pipeline/run_settings.h"
@@ -40,6 +42,24 @@ std::string header(const std::string& settings_hash) {
               {"solver_revision", solver_revision}};
     head["checksum"] = digest(head.dump());
     return head.dump();
+}
+
+/// Whether a file holds no more than a line that begins as the header does.
+bool is_beginning_of(const std::string& header, std::ifstream& in, std::size_t size) {
+    if (size > header.size()) return false;
+    std::string bytes(size, '\0');
+    in.seekg(0);
+    in.read(bytes.data(), static_cast<std::streamsize>(size));
+    return in && header.starts_with(bytes);
+}
+
+/// A field of a line of anybody's, who may have written whatever he liked there.
+template <class Value>
+Value field(const json& line, const char* name, Value otherwise) {
+    const auto found = line.find(name);
+    const bool fits =
+        found != line.end() && (std::is_same_v<Value, int> ? found->is_number_integer() : found->is_string());
+    return fits ? found->template get<Value>() : otherwise;
 }
 
 /// Whether the first line is what was written; older programs wrote it without a checksum.
@@ -76,13 +96,13 @@ ShardResults read_shard_results(const fs::path& file) {
     };
     next_line();
     const json head = json::parse(line, nullptr, false);
-    if (!head.is_object() || head.value("format", "") != "morphodesic shard") {
+    if (!head.is_object() || field<std::string>(head, "format", "") != "morphodesic shard") {
         results.problem = file.string() + ": is not the result file of a shard";
         return results;
     }
-    results.settings_hash = head.value("settings", "");
-    results.solver = head.value("solver_revision", 0);
-    if (head.value("version", 0) != results_version || results.solver != solver_revision) {
+    results.settings_hash = field<std::string>(head, "settings", "");
+    results.solver = field(head, "solver_revision", 0);
+    if (field(head, "version", 0) != results_version || results.solver != solver_revision) {
         results.problem = file.string() +
                           ": was written by another version of morphodesic, whose numbers are not to be mixed with "
                           "those of this one; compute the shard again with the same program as the study";
@@ -110,44 +130,65 @@ ShardResults read_shard_results(const fs::path& file) {
 }
 
 ShardWriter::ShardWriter(fs::path file, const std::string& settings_hash) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    // Without O_NONBLOCK, a pipe or a device might wait for somebody at its other end.
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
     if (descriptor_ < 0) {
-        throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno) +
-                                    "; check its folder, or choose another file with --out");
+        const std::string reason = errno == EISDIR ? "is a folder; name a file in it with --out"
+                                                   : std::string("cannot be written: ") + std::strerror(errno) +
+                                                         "; check its folder, or choose another file with --out";
+        throw StoreError(file_, reason);
+    }
+    try {
+        take_up(settings_hash);
+    } catch (...) {
+        ::close(descriptor_);
+        throw;
+    }
+}
+
+void ShardWriter::take_up(const std::string& settings_hash) {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+        throw StoreError(file_, "is no file that can be continued after a stop; choose another one with --out");
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-        ::close(descriptor_);
         throw StoreError(file_, "another process computes this shard; wait until it is done");
     }
+    // Whose file it is comes first: nothing is cut off or written where it may be another's.
+    const std::string head = header(settings_hash);
     std::ifstream in(file_, std::ios::binary | std::ios::ate);
+    if (!in) throw StoreError(file_, "cannot be read; check its permissions, or choose another file with --out");
     const auto size = static_cast<std::size_t>(std::max<std::streamoff>(in.tellg(), 0));
+    if (is_beginning_of(head, in, size)) {  // empty, or stopped while the header was written
+        cut_to(0);
+        write(head);
+        return;
+    }
+    ShardResults results = read_shard_results(file_);
+    if (!results.problem.empty()) {
+        throw StoreError(
+            file_, "cannot be continued (" + results.problem + "); it stays as it is: choose another file with --out");
+    }
+    if (results.settings_hash != settings_hash) {
+        throw StoreError(file_, "holds results of other settings; choose another file with --out");
+    }
     const std::size_t unfinished = unfinished_bytes(in, size);
     if (unfinished == longest_line) {
-        ::close(descriptor_);
         throw StoreError(file_,
                          "cannot be continued: its last line has no end, the file is damaged; move it away, or "
                          "choose another file with --out");
     }
-    const std::size_t end = size - unfinished;
-    if (unfinished > 0 && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
-        const std::string reason = std::strerror(errno);
-        ::close(descriptor_);
-        throw StoreError(file_,
-                         "cannot be written: " + reason + "; check its permissions, or choose another with --out");
+    if (unfinished == size) {  // nothing but the header of an older program, which had no checksum
+        throw StoreError(file_, "cannot be continued: its first line has no end; move it away");
     }
-    if (end == 0) {
-        write(header(settings_hash));
-        return;
-    }
-    ShardResults results = read_shard_results(file_);
-    if (!results.problem.empty() || results.settings_hash != settings_hash) {
-        ::close(descriptor_);
-        throw StoreError(file_, results.problem.empty()
-                                    ? "holds results of other settings; choose another file with --out"
-                                    : "cannot be continued (" + results.problem +
-                                          "); move it away or choose another file with --out");
-    }
+    if (unfinished > 0) cut_to(size - unfinished);
     before_ = std::move(results.rows);
+}
+
+void ShardWriter::cut_to(std::size_t size) {
+    if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) return;
+    throw StoreError(file_, std::string("cannot be written: ") + std::strerror(errno) +
+                                "; check its permissions, or choose another with --out");
 }
 
 ShardWriter::~ShardWriter() {

@@ -24,7 +24,8 @@ struct ShardResults {
 class ShardWriter {
 public:
     /// Opens or makes the file and cuts off a line that was not finished.
-    /// @throws StoreError if another process holds it, if it belongs to other settings, or if it cannot be written
+    /// @throws StoreError if another process holds it, if it is no result file or belongs to other settings, which
+    /// leaves it as it is, or if it cannot be written
     ShardWriter(std::filesystem::path file, const std::string& settings_hash);
     ~ShardWriter();
     ShardWriter(const ShardWriter&) = delete;
@@ -36,6 +37,8 @@ public:
     void append(const StoredGeodesic& geodesic);
 
 private:
+    void take_up(const std::string& settings_hash);
+    void cut_to(std::size_t size);
     void write(const std::string& line);
 
     std::filesystem::path file_;

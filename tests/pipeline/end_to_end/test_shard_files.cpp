@@ -1,0 +1,118 @@
+// Whose files plan, shard and merge write, cut off and read.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+
+#include "program.h"
+
+namespace morphodesic::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A study of four disks, planned in two shards.
+class ShardFiles : public testing::Test {
+protected:
+    void SetUp() override {
+        make_disks(folder / "disks", 4);
+        ASSERT_EQ(morphodesic(quick({"ingest", (folder / "disks").string(), "--out", study(), "--quiet"})).code, 0);
+        ASSERT_EQ(morphodesic({"plan", study(), "--shards", "2", "--quiet"}).code, 0);
+    }
+    [[nodiscard]] std::string study() const { return (folder / "study").string(); }
+    [[nodiscard]] Outcome shard(const fs::path& out, const std::string& which = "1/2") const {
+        return morphodesic({"shard", study(), which, "--out", out.string(), "--quiet"});
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(ShardFiles, FilesOfOthersAreRefusedAndStayAsTheyWere) {
+    const fs::path mine = folder / "mine.jsonl";
+    ASSERT_EQ(shard(mine).code, 0);
+    const std::string sound = read_file(mine), head = sound.substr(0, sound.find('\n') + 1);
+    std::string damaged = sound, other = sound;
+    damaged[damaged.find("\"settings\":\"") + 14] ^= 1;
+    other.replace(other.find("\"checksum\":\"") + 12, 4, "abcd");
+    const std::vector<std::string> foreign = {
+        "line 1\nprecious last line",
+        "my notes without newline",
+        "\n",
+        "{\"format\":7}\nx",
+        "{\"format\":\"morphodesic shard\",\"version\":\"one\"}\nx",
+        damaged + "{\"a",
+        "{\"checksum\":\"of other settings",
+        other.substr(0, head.size() - 1),
+        head.substr(0, head.size() - 1) + "?",
+        std::string(100, '\0'),
+    };
+    for (const std::string& bytes : foreign) {
+        const fs::path file = folder / "file";
+        write_file(file, bytes);
+        const auto time = fs::last_write_time(file);
+        const Outcome refused = shard(file);
+        EXPECT_EQ(refused.code, 3) << bytes;
+        EXPECT_THAT(refused.err, HasSubstr("--out")) << bytes;
+        EXPECT_EQ(read_file(file), bytes);
+        EXPECT_EQ(fs::last_write_time(file), time);
+    }
+    for (const std::string name : {"study.sqlite", "shards/plan.sqlite"}) {
+        const std::string before = read_file(folder / "study" / name);
+        EXPECT_EQ(shard(folder / "study" / name).code, 3);
+        EXPECT_EQ(read_file(folder / "study" / name), before);
+    }
+    // Of the same shapes, but with other settings: also with a line that was not finished.
+    const std::string disks = (folder / "disks").string();
+    ASSERT_EQ(morphodesic({"ingest", disks, "--out", study(), "--level", "4", "--steps", "1", "--quiet"}).code, 0);
+    ASSERT_EQ(morphodesic({"plan", study(), "--shards", "2", "--quiet"}).code, 0);
+    write_file(mine, sound + "{\"a");
+    const Outcome refused = shard(mine);
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_THAT(refused.err, HasSubstr("other settings"));
+    EXPECT_EQ(read_file(mine), sound + "{\"a");
+}
+
+TEST_F(ShardFiles, WhatAStopLeftIsTakenUp) {
+    const fs::path file = folder / "mine.jsonl";
+    ASSERT_EQ(shard(file).code, 0);
+    const std::string sound = read_file(file), head = sound.substr(0, sound.find('\n') + 1);
+    // Nothing, a part of the header, the header without its end and with it, a part of the first and the last line.
+    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{30}, head.size() - 1, head.size(),
+                                   head.size() + 9, sound.size() - 1}) {
+        write_file(file, sound.substr(0, size));
+        EXPECT_EQ(shard(file).code, 0) << size;
+        const std::string bytes = read_file(file);
+        EXPECT_EQ(bytes.substr(0, head.size()), head) << size;
+        EXPECT_EQ(std::count(bytes.begin(), bytes.end(), '\n'), std::count(sound.begin(), sound.end(), '\n')) << size;
+    }
+}
+
+TEST_F(ShardFiles, OnlyAFileOrALinkToOneTakesResults) {
+    fs::create_directory(folder / "dir");
+    EXPECT_THAT(shard(folder / "dir").err, HasSubstr("is a folder"));
+    fs::create_symlink(folder / "dir", folder / "to_dir");
+    EXPECT_THAT(shard(folder / "to_dir").err, HasSubstr("is a folder"));
+    ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+    const Outcome pipe = shard(folder / "pipe");  // and does not wait for a reader
+    EXPECT_EQ(pipe.code, 3);
+    EXPECT_THAT(pipe.err, HasSubstr("another one with --out"));
+    EXPECT_EQ(shard("/dev/null").code, 3);
+    EXPECT_EQ(shard(folder / "nowhere/file").code, 3);
+
+    write_file(folder / "notes", "mine");
+    fs::create_symlink(folder / "notes", folder / "to_notes");
+    EXPECT_EQ(shard(folder / "to_notes").code, 3);
+    EXPECT_EQ(read_file(folder / "notes"), "mine");
+    // Results may lie on another disk; the link stays one.
+    fs::create_symlink(folder / "dir/results", folder / "to_results");
+    EXPECT_EQ(shard(folder / "to_results").code, 0);
+    const std::string bytes = read_file(folder / "dir/results");
+    EXPECT_THAT(bytes, HasSubstr("morphodesic shard"));
+    EXPECT_EQ(shard(folder / "to_results").code, 0);
+    EXPECT_EQ(read_file(folder / "dir/results"), bytes);
+    EXPECT_TRUE(fs::is_symlink(folder / "to_results"));
+}
+
+}  // namespace
+}  // namespace morphodesic::tests
