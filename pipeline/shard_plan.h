@@ -38,6 +38,8 @@ struct ShardPlan {
     /// Eight digits that tell plans apart.
     [[nodiscard]] std::string id() const;
     [[nodiscard]] std::string result_name(int shard) const;
+    /// What merge says at the end of a workflow.
+    [[nodiscard]] std::string merged_name() const { return "merged-" + id() + ".json"; }
 };
 
 /// Tiles of what is missing in a store, in at most `shards` shards of about the same number of geodesics.

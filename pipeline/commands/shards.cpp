@@ -7,10 +7,12 @@
 #include <atomic>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
@@ -94,8 +96,40 @@ std::string makeflow_text(const ShardPlan& plan) {
         text += result + ": morphodesic plan.sqlite\n\t./morphodesic shard plan.sqlite " + std::to_string(shard) + "/" +
                 std::to_string(plan.shards) + " --threads 1 --accept-failures --out " + result + "\n\n";
     }
-    return text + "merged-" + plan.id() + ".json: morphodesic" + all +
-           "\n\tLOCAL ./morphodesic merge .. --json --accept-failures > merged-" + plan.id() + ".json\n";
+    return text + plan.merged_name() + ": morphodesic" + all +
+           "\n\tLOCAL ./morphodesic merge .. --json --accept-failures > " + plan.merged_name() + "\n";
+}
+
+/// Takes away what Makeflow wrote down about the workflow of another plan: it knows rules by their numbers, and would
+/// take those of this plan for done. Also where the rules of this plan were done, but the store lost what they
+/// computed.
+void remove_stale_logs(const ShardPlan& plan, const fs::path& folder) {
+    const std::string id = plan.id();
+    bool stale = fs::exists(folder / plan.merged_name());
+    std::ifstream log(folder / "shards.makeflow.makeflowlog");
+    for (std::string line; !stale && std::getline(log, line);) {
+        // "# FILE 1795861628052452 1938203f-0001-of-0002.jsonl 1 1073741824", from when a rule begins
+        std::istringstream words(line);
+        std::string hash, kind, time, name;
+        words >> hash >> kind >> time >> name;
+        const bool result = name.ends_with(".jsonl") || name.starts_with("merged-");
+        stale = kind == "FILE" && result && name.find(id) == name.npos;
+    }
+    if (!stale) return;  // the next makeflow goes on where the last one was
+    std::vector<fs::path> files{folder / plan.merged_name()};
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("shards.makeflow.") && name.ends_with("log")) files.push_back(entry.path());
+    }
+    for (const fs::path& file : files) {
+        std::error_code error;
+        fs::remove(file, error);
+        if (error) {
+            throw StoreError(file, "cannot be removed: " + error.message() +
+                                       "; makeflow would take the rules of this plan for done: move it away, then "
+                                       "plan again");
+        }
+    }
 }
 
 /// "3/16"
@@ -218,6 +252,7 @@ int plan(const ShardOptions& options) {
         fs::remove(shards / "morphodesic", error);  // it may be running: a new file, not new bytes in the old one
         fs::copy_file(this_program(), shards / "morphodesic", error);
         if (error) throw StoreError(shards / "morphodesic", "cannot be written: " + error.message());
+        remove_stale_logs(plan, shards);
         folder.write("shards/shards.makeflow", makeflow_text(plan));
         summary.data["script"] = (shards / "shards.makeflow").string();
         summary.lines.push_back("Compute it with: cd " + quoted(shards.string()) +

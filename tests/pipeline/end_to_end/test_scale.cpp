@@ -208,6 +208,32 @@ TEST_F(Neighbours, AStoppedStudyAndShardsGiveTheSameBytes) {
     EXPECT_EQ(read_file(folder / "shards/distances.csv"), bytes);
 }
 
+TEST_F(Neighbours, RoundAfterRoundRunsUnderMakeflowInOneFolder) {
+    std::vector<std::string> ingest = command("rounds", 2);
+    ingest[0] = "ingest";
+    const auto paths = std::find(ingest.begin(), ingest.end(), "--paths");
+    ingest.erase(paths, paths + 2);
+    ASSERT_EQ(morphodesic(ingest).code, 0);
+    const std::string study = (folder / "rounds").string();
+    int rounds = 0;
+    for (json merged = json::object(); rounds < 4 && merged.value("pairs_missing", 1) > 0; ++rounds) {
+        const json planned =
+            json::parse(morphodesic({"plan", study, "--shards", "2", "--format", "makeflow", "--json", "--quiet"}).out);
+        const std::string script = planned["script"];
+        const Outcome done = shell(std::string("timeout 150 '") + MORPHODESIC_SOURCE_DIR +
+                                   "/tests/pipeline/end_to_end/with_work_queue' '" +
+                                   (folder / ("queue" + std::to_string(rounds))).string() + "' '" + script + "'");
+        if (done.code == 77) GTEST_SKIP() << done.out;
+        ASSERT_EQ(done.code, 0) << done.out << done.err;
+        merged = json::parse(read_file(folder / "rounds/shards" / ("merged-" + planned.value("id", "") + ".json")));
+    }
+    EXPECT_GE(rounds, 2);
+    EXPECT_LE(rounds, 3);
+    const json merged = json::parse(morphodesic({"merge", study, "--json", "--quiet"}).out);
+    EXPECT_EQ(merged["pairs_added"], 0);
+    EXPECT_EQ(merged["pairs_missing"], 0);
+}
+
 TEST(Memory, IsSaidBeforeAndLimitsThePairsAtOnce) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "program.h"
 
@@ -11,6 +12,7 @@ namespace morphodesic::tests {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 using testing::HasSubstr;
 
 /// A study of four disks, planned in two shards.
@@ -112,6 +114,38 @@ TEST_F(ShardFiles, OnlyAFileOrALinkToOneTakesResults) {
     EXPECT_EQ(shard(folder / "to_results").code, 0);
     EXPECT_EQ(read_file(folder / "dir/results"), bytes);
     EXPECT_TRUE(fs::is_symlink(folder / "to_results"));
+}
+
+TEST_F(ShardFiles, MakeflowsLogGoesWithThePlanThatItIsOf) {
+    const auto plan = [&](const std::string& shards) {
+        const Outcome done =
+            morphodesic({"plan", study(), "--shards", shards, "--format", "makeflow", "--json", "--quiet"});
+        EXPECT_EQ(done.code, 0) << done.err;
+        return json::parse(done.out)["id"].get<std::string>();
+    };
+    const fs::path shards = folder / "study/shards", log = shards / "shards.makeflow.makeflowlog";
+    const auto write_logs = [&](const std::string& id) {
+        write_file(log, "# STARTED 1795861628040322\n# FILE 1795861628052452 " + id +
+                            "-0001-of-0002.jsonl 1 1073741824\n1795861628064296 1 1 7818 2 1 0 0 0 3\n");
+        write_file(shards / "shards.makeflow.wqlog", "# time workers\n");
+        write_file(shards / "shards.makeflow.mine", "notes\n");
+    };
+    const std::string two = plan("2");
+    write_logs(two);
+    const std::string bytes = read_file(log);
+    EXPECT_EQ(plan("2"), two);  // the same: Makeflow goes on
+    EXPECT_EQ(read_file(log), bytes);
+    EXPECT_TRUE(fs::exists(shards / "shards.makeflow.wqlog"));
+    EXPECT_NE(plan("3"), two);
+    EXPECT_FALSE(fs::exists(log));
+    EXPECT_FALSE(fs::exists(shards / "shards.makeflow.wqlog"));
+    EXPECT_TRUE(fs::exists(shards / "shards.makeflow.mine"));
+    // Done and merged, but the pairs are missing again, as in a store from a backup.
+    write_logs(two);
+    write_file(shards / ("merged-" + two + ".json"), "{}\n");
+    EXPECT_EQ(plan("2"), two);
+    EXPECT_FALSE(fs::exists(log));
+    EXPECT_FALSE(fs::exists(shards / ("merged-" + two + ".json")));
 }
 
 }  // namespace
