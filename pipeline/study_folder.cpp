@@ -19,11 +19,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string remedy(int error) {
+/// @param kept  whether a store keeps what was computed, however the writing of files ends
+std::string remedy(int error, bool kept) {
     const std::string what = std::strerror(error);
     if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
         return "cannot be written: " + what +
-               "; nothing that was computed is lost: free some space, then give the same command again";
+               (kept ? "; nothing that was computed is lost" : "; what this run computed is not kept") +
+               ": free some space, then give the same command again";
     }
     if (error == EISDIR || error == ENOTDIR || error == EEXIST || error == ENOTEMPTY) {
         return "cannot be written: " + what +
@@ -34,6 +36,11 @@ std::string remedy(int error) {
         return "is a link, and what it leads to would be overwritten; remove it, then give the same command again";
     }
     return "cannot be written: " + what + "; check its permissions, or use another study folder";
+}
+
+/// What a file is called until it is complete.
+std::string part_of(const fs::path& file) {
+    return file.string() + ".part";
 }
 
 constexpr const char* owner_begin = "process ";  // what a lock file says first
@@ -89,12 +96,33 @@ void StudyFolder::create() const {
 }
 
 void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
+    std::error_code error;
+    const bool kept = fs::exists(store(), error);
+    write_part(name, bytes, kept);
+    put_in_place(name, kept);
+}
+
+void StudyFolder::write_together(const std::vector<std::pair<fs::path, std::string>>& files) const {
+    try {
+        for (const auto& [name, bytes] : files) write_part(name, bytes, false);
+        for (const auto& [name, bytes] : files) {
+            if (fs::is_directory(path_ / name)) throw StoreError(path_ / name, remedy(EISDIR, false));
+        }
+        remove(files.back().first);
+        for (const auto& [name, bytes] : files) put_in_place(name, false);
+    } catch (...) {
+        for (const auto& [name, bytes] : files) ::unlink(part_of(path_ / name).c_str());
+        throw;
+    }
+}
+
+void StudyFolder::write_part(const fs::path& name, std::string_view bytes, bool kept) const {
     const fs::path target = path_ / name;
     std::error_code ignored;
     fs::create_directories(target.parent_path(), ignored);
-    const std::string temporary = target.string() + ".part";
+    const std::string temporary = part_of(target);
     const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file < 0) throw StoreError(target, remedy(errno));
+    if (file < 0) throw StoreError(target, remedy(errno, kept));
     int error = 0;
     for (std::size_t done = 0; done < bytes.size() && error == 0;) {
         const ssize_t written = ::write(file, bytes.data() + done, bytes.size() - done);
@@ -107,11 +135,19 @@ void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
     // On the disk before it takes the place of the old one: a power cut must not leave an empty table.
     if (error == 0 && ::fdatasync(file) != 0 && errno != EINVAL) error = errno;
     if (::close(file) != 0 && error == 0) error = errno;
-    if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
     if (error != 0) {
         ::unlink(temporary.c_str());
-        throw StoreError(target, remedy(error));
+        throw StoreError(target, remedy(error, kept));
     }
+}
+
+void StudyFolder::put_in_place(const fs::path& name, bool kept) const {
+    const fs::path target = path_ / name;
+    const std::string temporary = part_of(target);
+    if (::rename(temporary.c_str(), target.c_str()) == 0) return;
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    throw StoreError(target, remedy(error, kept));
 }
 
 void StudyFolder::remove(const fs::path& name) const {
@@ -123,7 +159,11 @@ void StudyFolder::remove(const fs::path& name) const {
 StudyLock::StudyLock(const StudyFolder& folder) {
     const fs::path file = folder.lock();
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (descriptor_ < 0) throw StoreError(file, remedy(errno));
+    if (descriptor_ < 0) {
+        const int error = errno;
+        std::error_code ignored;
+        throw StoreError(file, remedy(error, fs::exists(folder.store(), ignored)));
+    }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         if (const int error = errno; error != EWOULDBLOCK) {
             ::close(descriptor_);

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "pipeline/store_error.h"
 
@@ -32,10 +34,16 @@ public:
     /// @param name  relative to the study folder; folders are made
     /// @throws StoreError if the disk is full or the folder may not be written
     void write(const std::filesystem::path& name, std::string_view bytes) const;
+    /// Writes files of one run that no store keeps: if one of them cannot be written, those of an earlier run all stay.
+    /// The last one is there only if the others are of the same run.
+    void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& files) const;
     /// Takes a file of an earlier run away, if there is one. @throws StoreError if it cannot be removed
     void remove(const std::filesystem::path& name) const;
 
 private:
+    void write_part(const std::filesystem::path& name, std::string_view bytes, bool kept) const;
+    void put_in_place(const std::filesystem::path& name, bool kept) const;
+
     std::filesystem::path path_;
 };
 

@@ -449,9 +449,6 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
     const StudyLock lock(folder);
     Summary summary;
     summary.data = to_json(run);
-    folder.write("classification.csv", queries_csv(run));
-    folder.write("ranking.csv", ranking_csv(run));
-    folder.write("classification.html", reports::render_classification(classifier.page()));
     for (const std::string& remark : run.remarks) summary.lines.push_back(remark);
     say(run, summary);
     summary.lines.push_back("results: " + folder.path().string());
@@ -460,8 +457,11 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
         std::any_of(run.queries.begin(), run.queries.end(), [](const QueryResult& q) { return q.problem.empty(); });
     if (!any) summary.exit_code = bad_usage;
     summary.add_failures(run.failures);
-    folder.write("classification.json",
-                 summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    folder.write_together(
+        {{"classification.csv", queries_csv(run)},
+         {"ranking.csv", ranking_csv(run)},
+         {"classification.html", reports::render_classification(classifier.page())},
+         {"classification.json", summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"}});
     return summary.print(options.common);
 }
 

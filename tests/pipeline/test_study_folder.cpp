@@ -38,6 +38,26 @@ TEST(StudyFolder, WritesWholeFilesAndLeavesNoRests) {
     EXPECT_FALSE(std::filesystem::exists(folder / "study/paths/a/step.png.part"));
 }
 
+TEST(StudyFolder, WritesFilesOfOneRunTogetherOrNot) {
+    const tests::TemporaryFolder folder;
+    const StudyFolder results(folder / "results");
+    results.create();
+    const auto bytes = [&](const char* name) { return tests::read_file(folder / "results" / name); };
+    results.write_together({{"a.csv", "1"}, {"b.html", "1"}, {"c.json", "1"}});
+    results.write_together({{"a.csv", "2"}, {"b.html", "2"}, {"c.json", "2"}});
+    EXPECT_EQ(bytes("a.csv") + bytes("b.html") + bytes("c.json"), "222");
+    std::filesystem::remove(folder / "results/b.html");
+    std::filesystem::create_directory(folder / "results/b.html");
+    EXPECT_THROW(results.write_together({{"a.csv", "3"}, {"b.html", "3"}, {"c.json", "3"}}), StoreError);
+    std::filesystem::remove(folder / "results/b.html");
+    std::filesystem::create_directory(folder / "results/c.json.part");
+    EXPECT_THROW(results.write_together({{"a.csv", "4"}, {"b.html", "4"}, {"c.json", "4"}}), StoreError);
+    EXPECT_EQ(bytes("a.csv") + bytes("c.json"), "22");
+    for (const char* name : {"a.csv.part", "b.html", "b.html.part"}) {
+        EXPECT_FALSE(std::filesystem::exists(folder / "results" / name)) << name;
+    }
+}
+
 TEST(StudyFolder, TakesAnEmptyFolderButNotThatOfOthers) {
     const tests::TemporaryFolder folder;
     const StudyFolder study(folder / "mine");

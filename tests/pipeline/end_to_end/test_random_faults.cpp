@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
@@ -239,6 +240,50 @@ TEST_F(RandomFaults, AShardOnAFullFileSystemEndsWithAMessageAndGoesOnLater) {
     }
     ASSERT_EQ(morphodesic({"analyze", (folder_ / "p.study").string()}).code, 0);
     EXPECT_EQ(read_file(folder_ / "p.study/distances.csv"), bytes_);
+}
+
+TEST_F(RandomFaults, AFullFileSystemLeavesTheResultsOfTheLastClassification) {
+    const fs::path disk = folder_ / "disk", results = disk / "results";
+    fs::create_directories(disk);
+    if (shell("mount -t tmpfs -o size=50m tmpfs '" + disk.string() + "'").code != 0) {
+        GTEST_SKIP() << "only root can make a small file system";
+    }
+    make_disks(folder_ / "queries", 2);
+    std::vector<std::string> command =
+        quick({"classify", "one of them", "--templates", men_.string(), "--out", results.string(), "--quiet"});
+    for (const auto& entry : fs::directory_iterator(folder_ / "queries")) {
+        if (entry.path().extension() == ".png") command[1] = entry.path().string();
+    }
+    const Outcome first = morphodesic(command);
+    EXPECT_EQ(first.code, 0) << first.err;
+    const auto everything = [&] {
+        std::map<std::string, std::string> files;
+        for (const auto& entry : fs::directory_iterator(results)) {
+            if (entry.path().extension() != ".lock") files[entry.path().filename()] = read_file(entry.path());
+        }
+        return files;
+    };
+    const auto before = everything();
+    EXPECT_EQ(before.size(), 4u);
+    // Room for the tables of a second run, but not for its page.
+    const auto size = [&](const std::string& more) {
+        return shell("used=$(df --output=used -B1024 '" + disk.string() +
+                     "' | tail -n 1) && mount -o remount,size=$((used" + more + "))k '" + disk.string() + "'");
+    };
+    EXPECT_EQ(size("+12").code, 0);
+    command[1] = (folder_ / "queries").string();
+    const Outcome full = morphodesic(command);
+    EXPECT_EQ(full.code, 3) << full.err;
+    EXPECT_THAT(full.err, HasSubstr("is not kept: free some space, then give the same command again"));
+    EXPECT_THAT(full.err, Not(HasSubstr("is lost")));
+    EXPECT_TRUE(everything() == before);
+    EXPECT_EQ(size("+9000").code, 0);
+    const Outcome again = morphodesic(command);
+    EXPECT_EQ(again.code, 0) << again.err;
+    const auto after = everything();
+    EXPECT_EQ(after.size(), 4u);
+    for (const auto& [name, bytes] : before) EXPECT_NE(after.at(name), bytes) << name;
+    EXPECT_EQ(shell("umount '" + disk.string() + "'").code, 0);
 }
 
 TEST_F(RandomFaults, FilesThatChangeOrGoDuringTheRunDoNotReachItsResults) {
