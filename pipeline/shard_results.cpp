@@ -62,6 +62,10 @@ Value field(const json& line, const char* name, Value otherwise) {
     return fits ? found->template get<Value>() : otherwise;
 }
 
+bool is_header(const json& line) {
+    return line.is_object() && field<std::string>(line, "format", "") == "morphodesic shard";
+}
+
 /// Whether the first line is what was written; older programs wrote it without a checksum.
 bool is_sound(json head) {
     if (!head.contains("checksum")) return true;
@@ -96,7 +100,7 @@ ShardResults read_shard_results(const fs::path& file) {
     };
     next_line();
     const json head = json::parse(line, nullptr, false);
-    if (!head.is_object() || field<std::string>(head, "format", "") != "morphodesic shard") {
+    if (!is_header(head)) {
         results.problem = file.string() + ": is not the result file of a shard";
         return results;
     }
@@ -118,12 +122,17 @@ ShardResults read_shard_results(const fs::path& file) {
     while (next_line()) {
         if (in.eof()) return results;  // without its line end: was being written when the shard was stopped
         const bool text = line.find('\0') == line.npos;  // the JSON reader would stop at the zero and be content
-        if (auto row = geodesic_from_line(std::string(line));
-            text && row && row->settings_hash == results.settings_hash) {
-            results.rows.push_back(std::move(*row));
-        } else {
-            ++results.damaged;
+        if (auto row = geodesic_from_line(std::string(line)); text && row) {
+            if (row->settings_hash == results.settings_hash) {
+                results.rows.push_back(std::move(*row));
+            } else {
+                ++results.of_other_settings;
+            }
+            continue;
         }
+        // Files that were put together have a header each; every row says itself to which settings it belongs.
+        const json again = json::parse(line, nullptr, false);
+        if (!text || !is_header(again) || !is_sound(again)) ++results.damaged;
     }
     if (!in.eof()) ++results.damaged;  // a line without an end; what may come behind it is not looked for
     return results;

@@ -16,6 +16,7 @@ struct ShardResults {
     int solver = 0;                    ///< solver revision
     std::vector<StoredGeodesic> rows;  ///< sound ones
     long damaged = 0;                  ///< lines that are not what was written
+    long of_other_settings = 0;        ///< sound rows that do not belong to the first header
     std::string problem;               ///< why nothing of the file may be used; empty if it may
 };
 [[nodiscard]] ShardResults read_shard_results(const std::filesystem::path& file);

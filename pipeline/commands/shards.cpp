@@ -146,6 +146,11 @@ std::pair<int, int> shard_number(const std::string& text) {
     throw std::invalid_argument("the shard is \"" + text + "\"; it must be I/N with 1 <= I <= N, such as 3/16");
 }
 
+/// "1 row was", "2 rows were"
+std::string counted(long count, const std::string& noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? " was" : "s were");
+}
+
 /// Of two results for one pair the one that stays, whatever comes first: one with a distance, then the shorter path.
 bool stays(const StoredGeodesic& x, const StoredGeodesic& y) {
     const bool good = x.problem().empty();
@@ -340,7 +345,7 @@ int merge(const ShardOptions& options) {
 
     Summary summary;
     std::vector<StudyFailure> problems;
-    std::vector<std::string> damaged;
+    std::vector<std::pair<std::string, std::string>> left_out;  // and what to do if it is missing
     long added = 0, known = 0;
     for (const fs::path& file : files) {
         const ShardResults results = read_shard_results(file);
@@ -355,7 +360,13 @@ int merge(const ShardOptions& options) {
             continue;
         }
         if (results.damaged > 0) {
-            damaged.push_back(file.string() + ": " + std::to_string(results.damaged) + " damaged lines were left out");
+            left_out.emplace_back(file.string() + ": " + counted(results.damaged, "damaged line") + " left out",
+                                  "run the shard again, it computes only what is missing");
+        }
+        if (results.of_other_settings > 0) {
+            left_out.emplace_back(file.string() + ": " + counted(results.of_other_settings, "row") +
+                                      " left out, of other settings than its first line says",
+                                  "merge the results of each plan from files of their own");
         }
         long strangers = 0, differing = 0;
         std::map<GeodesicKey, StoredGeodesic> there;
@@ -383,13 +394,14 @@ int merge(const ShardOptions& options) {
         }
         if (strangers > 0) {
             problems.push_back({file.string(), "",
-                                file.string() + ": " + std::to_string(strangers) +
-                                    " pairs of shapes that the study does not have were left out"});
+                                file.string() + ": " + counted(strangers, "pair") +
+                                    " left out, of shapes that the study does not have"});
         }
         if (differing > 0) {
             problems.push_back({file.string(), "",
                                 file.string() + ": " + std::to_string(differing) +
-                                    " pairs have another path length than the store; of each the shorter path stays. "
+                                    (differing == 1 ? " pair has" : " pairs have") +
+                                    " another path length than the store; of each the shorter path stays. "
                                     "Were the shards computed by different builds? `morphodesic verify` tells more"});
         }
     }
@@ -399,8 +411,9 @@ int merge(const ShardOptions& options) {
                     {"pairs_added", added},
                     {"pairs_known", known},
                     {"pairs_missing", data.pairs_missing}};
-    summary.lines.push_back(std::to_string(files.size()) + " files: " + std::to_string(added) + " pairs added, " +
-                            std::to_string(known) + " were in the store");
+    summary.lines.push_back(std::to_string(files.size()) + (files.size() == 1 ? " file: " : " files: ") +
+                            counted(added, "pair") + " added, " + std::to_string(known) +
+                            (known == 1 ? " was" : " were") + " in the store");
     if (data.pairs_missing > 0) {
         summary.add_shortfall(std::to_string(data.pairs_missing) +
                               (data.pairs_missing == 1 ? " pair is still missing" : " pairs are still missing") +
@@ -413,13 +426,14 @@ int merge(const ShardOptions& options) {
     }
     // A workflow ends well with a complete round of a screening, though another one may follow.
     const bool round_there = data.levels.size() > 1 && plan_is_done(folder.path() / "shards" / "plan.sqlite", store);
-    // What a damaged line held may have come from the same shard run again: then nothing is missing, nothing to do.
+    // What a line that was left out held may have come from the same shard run again: then nothing is missing, nothing
+    // to do.
     const bool complete = data.pairs_missing == 0 || round_there;
-    for (const std::string& damage : damaged) {
+    for (const auto& [what, remedy] : left_out) {
         if (complete) {
-            summary.add_remark(damage + "; all pairs are there all the same");
+            summary.add_remark(what + "; all pairs are there all the same");
         } else {
-            problems.push_back({"", "", damage + "; run the shard again, it computes only what is missing"});
+            problems.push_back({"", "", what + "; " + remedy});
         }
     }
     const bool all_there = problems.empty() && complete;

@@ -116,6 +116,42 @@ TEST_F(ShardFiles, OnlyAFileOrALinkToOneTakesResults) {
     EXPECT_TRUE(fs::is_symlink(folder / "to_results"));
 }
 
+TEST_F(ShardFiles, PutTogetherInOneAreNoDamage) {
+    const fs::path first = folder / "1.jsonl", second = folder / "2.jsonl", all = folder / "all.jsonl";
+    ASSERT_EQ(shard(first).code, 0);
+    ASSERT_EQ(shard(second, "2/2").code, 0);
+    write_file(all, read_file(first) + read_file(second));
+    const Outcome merged = morphodesic({"merge", study(), all.string()});
+    EXPECT_EQ(merged.code, 0) << merged.out;
+    EXPECT_THAT(merged.out, HasSubstr("1 file: 6 pairs were added, 0 were in the store"));
+    EXPECT_THAT(merged.out, Not(HasSubstr("left out")));
+    // A header that is damaged is.
+    std::string bytes = read_file(second);
+    bytes[bytes.find("\"settings\":\"") + 14] ^= 1;
+    write_file(all, read_file(first) + bytes);
+    EXPECT_THAT(morphodesic({"merge", study(), all.string()}).out, HasSubstr("1 damaged line was left out"));
+
+    // Rows of other settings are not damaged, but of another plan.
+    const std::string disks = (folder / "disks").string(), other = (folder / "other").string();
+    ASSERT_EQ(morphodesic({"ingest", disks, "--out", other, "--level", "4", "--steps", "1", "--quiet"}).code, 0);
+    ASSERT_EQ(morphodesic({"plan", other, "--shards", "1", "--quiet"}).code, 0);
+    const fs::path third = folder / "3.jsonl";
+    ASSERT_EQ(morphodesic({"shard", other, "1/1", "--out", third.string(), "--quiet"}).code, 0);
+    write_file(all, read_file(first) + read_file(third));
+    const Outcome there = morphodesic({"merge", study(), all.string()});
+    EXPECT_EQ(there.code, 0) << there.out;
+    EXPECT_THAT(there.out, HasSubstr("6 rows were left out, of other settings than its first line says; all pairs"));
+    const Outcome missing = morphodesic({"merge", other, all.string()});  // knows the second settings only
+    EXPECT_EQ(missing.code, 1);
+    EXPECT_EQ(stored_rows(other), 0);
+    write_file(all, read_file(third).substr(0, read_file(third).find('\n') + 1) + read_file(first));
+    const Outcome none = morphodesic({"merge", other, all.string()});
+    EXPECT_EQ(none.code, 1);
+    EXPECT_THAT(none.out, HasSubstr("of other settings"));
+    EXPECT_THAT(none.out, HasSubstr("files of their own"));
+    EXPECT_THAT(none.out, Not(HasSubstr("damaged")));
+}
+
 TEST_F(ShardFiles, MakeflowsLogGoesWithThePlanThatItIsOf) {
     const auto plan = [&](const std::string& shards) {
         const Outcome done =
