@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <sstream>
 #include <string_view>
@@ -81,6 +82,22 @@ std::string answer_to(std::string content) {
     }
 }
 
+/// No more memory than any sound stream of that size can need, beyond what there is already. Measured against the
+/// format: leaves take at least 128 bytes there and at most 4.3 kB in memory, and what is written down anew comes on
+/// top.
+void limit_memory(std::size_t content_size) {
+    constexpr std::size_t most_per_byte = 300, always = std::size_t{256} << 20;
+    std::ifstream statm("/proc/self/statm");
+    std::size_t total = 0, resident = 0, shared = 0, text = 0, library = 0, data = 0;  // pages
+    if (!(statm >> total >> resident >> shared >> text >> library >> data)) return;
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const rlim_t most = data * page + always + most_per_byte * content_size;
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur <= most) return;
+    limit.rlim_cur = most;
+    ::setrlimit(RLIMIT_DATA, &limit);
+}
+
 /// What the reading process does; it ends with it.
 [[noreturn]] void read_apart(std::string content, int to) {
     // What the library or a sanitizer has to say of its end is of no use to anybody.
@@ -92,6 +109,7 @@ std::string answer_to(std::string content) {
     ::setrlimit(RLIMIT_CORE, &no_dump);
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
     ::alarm(patience);
+    limit_memory(content.size());
     // A process born of one with threads has none of them and must not make new ones; the library takes grids apart in
     // loops of TBB.
     const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
