@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/nested_shells.h"
 #include "datasets/voxelize.h"
 
 namespace morphodesic::datasets {
@@ -16,7 +17,7 @@ Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const Tria
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         members[patch.of_triangle[t]].push_back(static_cast<int>(t));
     }
-    std::vector<char> turn(patch.count, 0), hidden(patch.count, 0);
+    PatchFate fate{std::vector<char>(patch.count, 0), std::vector<char>(patch.count, 0)};
     const double total_area = surface_area(mesh);
     tbb::parallel_for(0, patch.count, [&](int p) {
         TriangleMesh part;  // without points: topology only compares indices
@@ -28,7 +29,7 @@ Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const Tria
             volume += dot(c[0] - mesh.points[0], cross(c[1] - mesh.points[0], c[2] - mesh.points[0]));
         }
         if (topology(part).closed()) {
-            turn[p] = volume < 0;
+            fate.turn[p] = volume < 0;
             return;
         }
         // Samples evenly spaced in area.
@@ -50,20 +51,21 @@ Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const Tria
                 back += !surface.is_blocked(centre - step * unit, -1.0 * direction);
             }
         }
-        turn[p] = back > front;
-        hidden[p] = front + back < samples * directions / 50;  // 1 %
+        fate.turn[p] = back > front;
+        fate.hidden[p] = front + back < samples * directions / 50;  // 1 %
     });
     Turned result;
+    result.filled_cavity = keep_cavity_walls(mesh, patch, fate);
     std::vector<std::array<int, 3>> kept;
     kept.reserve(mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const int p = patch.of_triangle[t];
-        if (hidden[p]) {
+        if (fate.hidden[p]) {
             ++result.hidden;
             continue;
         }
         kept.push_back(mesh.triangles[t]);
-        if (turn[p]) std::swap(kept.back()[1], kept.back()[2]), ++result.turned;
+        if (fate.turn[p]) std::swap(kept.back()[1], kept.back()[2]), ++result.turned;
     }
     if (kept.empty()) return {};  // nothing sees the outside: leave it to the winding number
     mesh.triangles = std::move(kept);

@@ -9,12 +9,14 @@
 namespace morphodesic::datasets {
 
 struct Turned {
-    std::size_t turned = 0;  ///< triangles
-    std::size_t hidden = 0;  ///< triangles of open patches that see nothing of the outside: walls within the solid
+    std::size_t turned = 0;      ///< triangles
+    std::size_t hidden = 0;      ///< triangles of open patches that see nothing of the outside: walls within the solid
+    bool filled_cavity = false;  ///< what looks like the wall of a cavity was too open to be one
 };
 
 /// Turns each open patch so that its front, not its back, looks into the open (Takayama et al. 2014), and removes those
-/// that do not see it at all; closed patches get a positive volume.
+/// that do not see it at all; closed patches get a positive volume. Walls of cavities stay as they are
+/// (nested_shells.h).
 /// @param surface  the tree of the same mesh
 Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const TriangleTree& surface);
 

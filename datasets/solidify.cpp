@@ -28,6 +28,8 @@ constexpr double least_bump = 0.1;         // of the noise: independent errors m
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
 
+constexpr char filled_cavity_note[] = "An inner cavity was filled, as its wall is too open.";
+
 std::string number(double value, const char* format = "%.3g") {
     char text[32];
     std::snprintf(text, sizeof text, format, value);
@@ -316,6 +318,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
+    if (outward.filled_cavity) notes.emplace_back(filled_cavity_note);
     smooth_if_noisy(mesh, box.diagonal(), options, notes);
     const std::string crowded = "has " + count(state.crowded_edges, "edge") + " of three or more triangles";
     std::string kind = "The surface is closed but one-sided, as a Klein bottle is";
