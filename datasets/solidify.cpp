@@ -272,14 +272,29 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
 
     if (state.closed()) {
         smooth_if_noisy(mesh, box.diagonal(), options, notes);
-        auto winding = winding_numbers(mesh, lattice);
-        const auto [lowest, highest] = std::minmax_element(winding.begin(), winding.end());
-        int low = *lowest, high = *highest;
+        std::vector<std::int8_t> winding;
+        int low = 0, high = 0;
+        const auto measure_winding = [&] {
+            winding = winding_numbers(mesh, lattice);
+            const auto [lowest, highest] = std::minmax_element(winding.begin(), winding.end());
+            low = *lowest, high = *highest;
+        };
+        measure_winding();
         if (low == -1 && high <= 0) {
             for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
             for (auto& w : winding) w = static_cast<std::int8_t>(-w);
             low = 0, high = 1;
             notes.push_back("The surface was inside out and was turned.");
+        }
+        if (low < 0) {
+            // Without a negative winding number what is turned inward is the wall of a cavity.
+            TriangleMesh upright = mesh;
+            const bool changed = turn_patches_outward(upright, patch, TriangleTree(mesh)).turned > 0;
+            if (changed && topology(upright).closed()) {
+                mesh = std::move(upright);
+                measure_winding();
+                notes.emplace_back("Parts that were inside out were turned.");
+            }
         }
         if (low >= 0 && high == 1) {
             if (parts_touch(mesh, patch, h)) {
@@ -295,19 +310,9 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
             return finished_solid(std::move(mesh), file, options, std::move(notes));
         }
         if (low < 0 || high > 1) {
-            TriangleMesh upright = mesh;
             const TriangleTree surface(mesh);
-            // Without a negative winding number what is turned inward is the wall of a cavity.
-            const bool changed = low < 0 && turn_patches_outward(upright, patch, surface).turned > 0;
-            if (topology(upright).closed()) {
-                if (changed) {
-                    mesh = std::move(upright);
-                    winding = winding_numbers(mesh, lattice);
-                    notes.push_back("Parts that were inside out were turned.");
-                }
-                notes.push_back("The surface passes through itself; its overlapping parts were united.");
-                return finished_solid(united(mesh, surface, lattice, winding), file, options, std::move(notes));
-            }
+            notes.emplace_back("The surface passes through itself; its overlapping parts were united.");
+            return finished_solid(united(mesh, surface, lattice, winding), file, options, std::move(notes));
         }
         // Closed but thinner than a cell everywhere: the winding number found no node inside.
         return finished_solid(std::move(mesh), file, options, std::move(notes));

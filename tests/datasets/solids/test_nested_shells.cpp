@@ -98,6 +98,16 @@ TEST(NestedShells, OthersAreTurnedAsBefore) {
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
 }
 
+TEST(NestedShells, ApartAfterTurningIsNotCalledUnited) {
+    const TriangleMesh ball = ball_mesh({}, outer, 4), beside = inside_out(ball_mesh({100, 0, 0}, inner, 4));
+    const Solid solid = solid_from_triangles(joined(ball, beside), "two", coarse());
+    const TriangleMesh upright = joined(ball, inside_out(beside));
+    EXPECT_NEAR(solid.volume, signed_volume(upright), 1e-9 * solid.volume);
+    EXPECT_EQ(solid.mesh.triangles.size(), upright.triangles.size());
+    EXPECT_THAT(solid.notes, Contains(HasSubstr("inside out")));
+    EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("united"))));
+}
+
 TEST(NestedShells, FilledCavitiesAreSaid) {
     const TriangleMesh wall = cut(inside_out(ball_mesh({}, inner, 4)), 0.1 * inner);
     const Solid solid = solid_from_triangles(joined(ball_mesh({}, outer, 4), wall), "half", coarse());
