@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 
 #include "datasets/distance_transform.h"
 #include "datasets/mesh_smoothing.h"
@@ -27,6 +28,7 @@ constexpr double most_correlated = 0.25;   // of bumps about half of whose varia
 constexpr double least_bump = 0.1;         // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
+constexpr double largest_ball = 0.25;      // of the length: a larger one would lie in the object rather than on it
 
 constexpr char filled_cavity_note[] = "An inner cavity was filled, as its wall is too open.";
 
@@ -178,6 +180,44 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
         notes.push_back("Holes were closed: " + percent(made.share) + " of the surface is new, the widest gap is " +
                         percent(made.gap / size) + " of the object's size.");
     }
+}
+
+/// Says why no ball up to the widest finds an inside between points, as far as other balls tell.
+[[noreturn]] void refuse_points(const std::vector<Vector3>& points, double typical, double widest,
+                                const std::filesystem::path& file, const SolidifyOptions& options) {
+    const Box3 box = bounding_box(points);
+    const double longest = box.longest_side(), size = box.diagonal(), largest = 0.55 * longest;
+    // Between two walls a ball that passes through no gap between points leaves a volume, on a single one (almost)
+    // none.
+    const double area = static_cast<double>(points.size()) * std::numbers::pi / 6.0 * typical * typical;
+    const Lattice fine = lattice_around(box, longest / 72, 2.0 * typical);
+    const double thickness = 2.0 * closing(fine, distance_to_points(fine, points), 2.0 * typical).volume / area;
+    if (thickness > 1.5 * typical && thickness < 10.0 * typical) {
+        throw ReadError(file,
+                        "the points are too few for so thin a solid: it is about " + percent(thickness / size) +
+                            " of its size thick, and between neighbours lie " + percent(typical / size),
+                        "use a cloud of several times as many points, or a mesh");
+    }
+    const Lattice coarse = lattice_around(box, longest / 36, largest);
+    const std::vector<float> distance = distance_to_points(coarse, points);
+    Closing before = closing(coarse, distance, widest);
+    for (double r = widest, next = 1.1 * r; next <= largest; r = next, next = 1.1 * r) {
+        Closing after = closing(coarse, distance, next);
+        if (before.has_core && after.volume <= 1.2 * before.volume) {
+            const std::string opening =
+                "the points leave an opening about " + percent(2.0 * r / size) + " of the size wide";
+            if (r <= largest_ball * longest) {
+                throw ReadError(file, opening + ", more than --close-gaps allows (" + percent(options.close_gaps) + ")",
+                                "use points from all sides, or raise --close-gaps");
+            }
+            throw ReadError(file, opening + "; between points no more than half of the length can be closed",
+                            "add points there (a flat floor will do), or make a mesh of the points: wider holes of "
+                            "meshes are closed");
+        }
+        before = std::move(after);
+    }
+    throw ReadError(file, "the points enclose no volume (a scan of one side, or one with very wide gaps)",
+                    "use points from all sides of the object");
 }
 
 }  // namespace
@@ -369,10 +409,10 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
     // From the typical gap between points up to the widest that may be closed; the first that holds tight: a ball a
     // quarter larger finds (almost) the same solid, so no leak was left.
     const double longest = box.longest_side();
-    const double widest = std::min(0.5 * options.close_gaps * size, 0.25 * longest);
+    const double widest = std::min(0.5 * options.close_gaps * size, largest_ball * longest);
     double radius = 0.0, tight_volume = 0.0;
     {
-        const Lattice coarse = lattice_around(box, longest / 72, std::min(widest, 0.25 * longest));
+        const Lattice coarse = lattice_around(box, longest / 72, widest);
         const std::vector<float> distance = distance_to_points(coarse, cloud.points);
         Closing before = closing(coarse, distance, typical);
         for (double r = typical; r <= widest && radius == 0.0;) {
@@ -383,12 +423,7 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
             r = next;
         }
     }
-    if (radius == 0.0) {
-        throw ReadError(file,
-                        "the points enclose no volume (a scan of one side, or gaps wider than --close-gaps, " +
-                            percent(options.close_gaps) + " of the size)",
-                        "use points from all sides of the object");
-    }
+    if (radius == 0.0) refuse_points(cloud.points, typical, widest, file, options);
     const double h = std::max(longest / options.cells, radius / 8.0);
     const Lattice lattice = lattice_around(box, h, 2.0 * radius);
     const std::vector<float> distance = distance_to_points(lattice, cloud.points);

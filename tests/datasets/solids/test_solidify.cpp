@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
@@ -282,6 +283,40 @@ TEST(Solidify, PointCloudOfABall) {
     EXPECT_NEAR(solid.volume, ball_volume, 0.06 * ball_volume);
     EXPECT_LT(norm(solid.centroid - middle), 0.003);
     EXPECT_TRUE(topology(solid.mesh).closed());
+}
+
+TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
+    const auto refusal = [](std::vector<Vector3> points, const SolidifyOptions& options) -> std::string {
+        try {
+            solid_from_points(std::move(points), "cloud", options);
+        } catch (const ReadError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    // A ball that stood on a floor: the opening is four fifths of it wide.
+    std::vector<Vector3> cut = ball_mesh(middle, radius, 4).points;
+    std::erase_if(cut, [](const Vector3& p) { return p[2] < middle[2] - 0.6 * radius; });
+    SolidifyOptions wide = coarse();
+    wide.close_gaps = 1.0;
+    EXPECT_THAT(refusal(cut, wide), testing::AllOf(HasSubstr("leave an opening"), HasSubstr("make a mesh")));
+    // A smaller one, which only the option forbids.
+    std::vector<Vector3> holed = ball_mesh(middle, radius, 5).points;
+    std::erase_if(holed, [](const Vector3& p) { return p[2] < middle[2] - 0.92 * radius; });
+    SolidifyOptions strict = coarse();
+    strict.close_gaps = 0.12;
+    EXPECT_THAT(refusal(holed, strict), HasSubstr("raise --close-gaps"));
+    // A plate whose thickness is no more than a few distances between points.
+    std::vector<Vector3> plate;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> share;
+    for (int i = 0; i < 22000; ++i) {
+        Vector3 p{100 * share(random), 100 * share(random), 3 * share(random)};
+        if (i < 20000) p[2] = i % 2 * 3;
+        if (i >= 20000) p[i % 2] = i / 2 % 2 * 100;
+        plate.push_back(p);
+    }
+    EXPECT_THAT(refusal(plate, coarse()), HasSubstr("too few for so thin"));
 }
 
 TEST(Solidify, SpecksAreRemoved) {
