@@ -83,6 +83,13 @@ Placement<Dim> placement_of(const RawShape<Dim>& raw, const NormalizeOptions& op
             middle[a] = 0.5 * (raw.frame_low[a] + raw.frame_high[a]);
         }
         placement.scale = 1.0 / side;
+        if constexpr (Dim == 3) {  // a size that another solid would not keep is none to compare
+            if (side > 1.2) {
+                throw ReadError(raw.source.path, "it does not fit into the cube, whose side is one unit of the file",
+                                "use --normalize common, which keeps the ratios of all sizes, or --normalize each");
+            }
+            placement.scale = 1.0;  // the side of the frame, but for rounding
+        }
     } else if (options.mode == "each") {
         placement.scale = std::pow(unit_volume<Dim> / raw.volume, 1.0 / Dim);
         if (placement.scale > fitting) {

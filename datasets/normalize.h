@@ -32,7 +32,9 @@ struct NormalizeOptions {
 double common_scale(std::span<const double> extent_radii);
 
 /// Where a shape goes in the cube: the centroid (mode none: the middle of the frame) to the centre, and its scale.
+/// Mode none maps the frame of an image to the square; solids keep their size.
 /// @param notes  if not null, receives a sentence where the mode's size had to be given up
+/// @throws ReadError in mode none if a solid is larger than the cube
 template <int Dim>
 Placement<Dim> placement_of(const RawShape<Dim>& raw, const NormalizeOptions& options,
                             std::vector<std::string>* notes = nullptr);

@@ -50,7 +50,8 @@ struct RawShape {
     double volume = 0.0;         ///< area (volume) of the object, file units^Dim, > 0
     double extent_radius = 0.0;  ///< largest distance of the object from its centroid, file units, > 0
     int components = 0;          ///< pieces that the object has; 0: not counted
-    Point<Dim> frame_low{};      ///< corner of what --normalize none maps to the unit cube: the image, the bounding box
+    Point<Dim> frame_low{};      ///< corner of what --normalize none maps to the unit cube: the image; of solids a cube
+                                 ///< of side 1, larger only if they do not fit into that
     Point<Dim> frame_high{};     ///< the opposite corner
     std::size_t bytes = 0;       ///< memory of a solid's geometry; 0: not counted
     std::vector<std::string> notes;  ///< what was done to the input and a user should know, one sentence each

@@ -149,14 +149,16 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     for (const auto& p : solid.mesh.points) raw.extent_radius = std::max(raw.extent_radius, norm(p - solid.centroid));
     raw.notes = std::move(file.notes);
     raw.notes.insert(raw.notes.end(), solid.notes.begin(), solid.notes.end());
-    // A file made in the coordinates of the cube keeps them under --normalize none; around others there is room.
+    // Under --normalize none a file made in the coordinates of the cube keeps them; of others it keeps the size.
     const Box3 box = bounding_box(solid.mesh.points);
     if (*std::min_element(box.low.begin(), box.low.end()) > 0.0 &&
         *std::max_element(box.high.begin(), box.high.end()) < 1.0) {
         raw.frame_high = {1.0, 1.0, 1.0};
     } else {
-        raw.frame_low = box.low - 0.2 * box.side();
-        raw.frame_high = box.high + 0.2 * box.side();
+        const double half = box.longest_side() < 1.0 ? 0.5 : 0.7 * box.longest_side();
+        const Vector3 centre = box.low + 0.5 * box.side(), reach{half, half, half};
+        raw.frame_low = centre - reach;
+        raw.frame_high = centre + reach;
     }
     raw.bytes = sizeof(Vector3) * solid.mesh.points.size() + sizeof(std::array<int, 3>) * solid.mesh.triangles.size();
     raw.geometry = std::make_shared<SolidGeometry>(std::move(solid.mesh), std::move(invented));

@@ -111,7 +111,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
     add_study_command("ingest", "read, clean and place the shapes of a folder, and store them in a study.",
                       "Examples:\n"
                       "  morphodesic ingest letters\n"
-                      "  morphodesic ingest scans --out study --normalize none --json",
+                      "  morphodesic ingest scans --out study --normalize each --json",
                       &pipeline::ingest, true, false);
     add_study_command("geodesics", "compute the geodesics that a study is missing.",
                       preset_help() +
@@ -302,7 +302,7 @@ void CommandLine::add_geodesic() {
     sub->add_option(
            "--scale", pair.scale,
            "lengths of the unit cube per pixel (per unit of a mesh), as the common-scale of a study; 0: the larger "
-           "shape just fits")
+           "shape just fits. Only with --normalize common")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     add_common(sub, pair.common, true);

@@ -44,7 +44,8 @@ struct RunSettings {
         visit(
             "normalize", self.normalize,
             "size of the shapes: common (one scale for all), each (all of one area or volume, 0.1 or 0.03 of the unit "
-            "square or cube, less where that does not fit), none (the image is the cube)");
+            "square or cube, less where that does not fit), none (as in the file: the longer side of an image is the "
+            "side of the square, one unit of a mesh or one millimetre of a volume that of the cube)");
         GeodesicOptions::for_each_field(self.geodesic, visit);
     }
     /// Every violated constraint, in words; empty if the settings are usable.

@@ -55,6 +55,10 @@ ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::No
 
 template <int Dim>
 int solve(const PairOptions& options, const datasets::ShapeSource& source_a, const datasets::ShapeSource& source_b) {
+    if (options.scale > 0 && options.settings.normalize != "common") {
+        throw std::invalid_argument("--scale is the common scale of both shapes, and --normalize " +
+                                    options.settings.normalize + " has none; leave one of them out");
+    }
     const auto raw_a = datasets::read_shape<Dim>(source_a, options.settings.import);
     const auto raw_b = datasets::read_shape<Dim>(source_b, options.settings.import);
     datasets::NormalizeOptions placement;

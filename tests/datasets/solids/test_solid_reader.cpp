@@ -33,6 +33,30 @@ TEST(SolidReader, BallFileBecomesItsDistance) {
     }
 }
 
+TEST(SolidReader, WithoutNormalisationSizesAreThoseOfTheFile) {
+    const FileFolder folder;
+    NormalizeOptions none;
+    none.mode = "none";
+    none.level = 5;
+    double volume = 0.0;
+    for (const Vector3& centre : {Vector3{0, 0, 0}, Vector3{0.5, 0.5, 0.5}, Vector3{300, -200, 100}}) {
+        const auto file = source_of(folder.write("ball.obj", obj_text(ball_mesh(centre, 0.2, 5))));
+        const Shape<3> shape = import_shape<3>(file, {}, none);
+        EXPECT_EQ(shape.scale, 1.0);
+        EXPECT_NEAR(shape.volume, volume > 0.0 ? volume : shape.volume, 1e-6 * shape.volume);
+        volume = shape.volume;
+        EXPECT_NEAR(shape.level_set.values[shape.level_set.grid.index({16, 16, 16})], 0.2, 0.01);
+    }
+    const auto large = source_of(folder.write("large.obj", obj_text(ball_mesh({}, 0.51, 3))));
+    try {
+        import_shape<3>(large, {}, none);
+        FAIL() << "accepted";
+    } catch (const ReadError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("does not fit"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("--normalize common"));
+    }
+}
+
 TEST(SolidReader, UnitsAndPlaceDoNotMatterWhenEachIsScaled) {
     const FileFolder folder;
     const TriangleMesh box = box_mesh({0.0, 0.0, 0.0}, {0.2, 0.1, 0.05});

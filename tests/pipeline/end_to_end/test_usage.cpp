@@ -103,6 +103,17 @@ TEST(Usage, AWrongChoiceOfPathsIsRefusedBeforeAnyWork) {
     EXPECT_FALSE(fs::exists(folder / "table.analysis"));
 }
 
+TEST(Usage, AScaleNeedsTheCommonOne) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    const std::string a = (folder / "disks" / "disk-01.png").string(), b = (folder / "disks" / "disk-02.png").string();
+    for (const std::string normalize : {"none", "each"}) {
+        const Outcome done = morphodesic({"geodesic", a, b, "--scale", "0.001", "--normalize", normalize});
+        EXPECT_EQ(done.code, 2) << normalize;
+        EXPECT_THAT(done.err, HasSubstr("--scale")) << normalize;
+    }
+}
+
 TEST(Usage, NumbersMustBeFinite) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 2);
