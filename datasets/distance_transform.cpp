@@ -8,6 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -112,6 +114,7 @@ std::vector<float> distance_to_points(const Lattice& lattice, const std::vector<
     std::vector<std::int32_t> nearest(lattice.node_count(), -1);
     std::vector<float> distance2(lattice.node_count(), std::numeric_limits<float>::max());
     for (std::size_t s = 0; s < in_nodes.size(); ++s) {
+        interruption_point(s);
         std::array<int, 3> low, high;
         for (int a = 0; a < 3; ++a) {
             const float floor = std::floor(in_nodes[s][a]);
@@ -134,6 +137,7 @@ std::vector<float> distance_to_points(const Lattice& lattice, const std::vector<
     }
     Sweeper sweeper(lattice, in_nodes, nearest, distance2);
     for (const int axis : {2, 1, 0}) {
+        interruption_point();
         sweeper.sweep(axis, 1);
         sweeper.sweep(axis, -1);
     }
@@ -145,6 +149,7 @@ std::vector<float> distance_to_points(const Lattice& lattice, const std::vector<
 std::vector<Vector3> surface_samples(const TriangleMesh& mesh, double spacing) {
     std::vector<Vector3> samples = mesh.points;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        interruption_point(t);
         const auto c = mesh.corners(t);
         const double longest = std::max({norm(c[1] - c[0]), norm(c[2] - c[1]), norm(c[0] - c[2])});
         const int n = static_cast<int>(std::ceil(longest / spacing));

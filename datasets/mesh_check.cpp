@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "datasets/interruption.h"
 #include "datasets/ply_check.h"
 #include "datasets/read_error.h"
 #include "datasets/text_scan.h"
@@ -223,6 +224,7 @@ CheckedMesh check_stl(const fs::path& file, std::string_view content) {
         }
         check_face_count(file, n);
         for (std::size_t t = 0; t < n; ++t) {
+            interruption_point(t);
             float c[9];
             std::memcpy(c, content.data() + 84 + 50 * t + 12, sizeof c);
             for (const float x : c) {
@@ -275,8 +277,12 @@ std::string file_content(const fs::path& file, double max_megabytes) {
     }
     std::string content(size, '\0');
     std::ifstream in(file, std::ios::binary);
-    in.read(content.data(), static_cast<std::streamsize>(size));
-    if (!in || in.gcount() != static_cast<std::streamsize>(size)) {
+    constexpr std::size_t piece = std::size_t{1} << 25;
+    for (std::size_t done = 0; in && done < size; done += piece) {
+        interruption_point();
+        in.read(content.data() + done, static_cast<std::streamsize>(std::min(piece, size - done)));
+    }
+    if (!in) {
         throw ReadError(file, "it cannot be read to its end", "check its permissions and the disk");
     }
     return content;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "datasets/bytes.h"
+#include "datasets/interruption.h"
 #include "datasets/mesh_check.h"
 #include "datasets/polygon.h"
 #include "datasets/read_error.h"
@@ -26,6 +27,31 @@ Vector3 origin_for(const std::vector<Vector3>& points) {
     const Vector3 centre = box.low + 0.5 * box.side();
     return norm(centre) > far * box.diagonal() ? centre : Vector3{};
 }
+
+/// The file that the parser sees: it is read piece by piece, and may be given up between them.
+class InterruptibleStream : public Assimp::MemoryIOStream {
+public:
+    using MemoryIOStream::MemoryIOStream;
+    size_t Read(void* to, size_t size, size_t count) override {
+        interruption_point();
+        return MemoryIOStream::Read(to, size, count);
+    }
+};
+class InterruptibleFile : public Assimp::MemoryIOSystem {
+public:
+    explicit InterruptibleFile(const std::string& content)
+        : MemoryIOSystem(bytes_of(content), content.size(), nullptr), content_(content) {}
+    Assimp::IOStream* Open(const char* file, const char*) override {
+        return Exists(file) ? new InterruptibleStream(bytes_of(content_), content_.size()) : nullptr;
+    }
+    void Close(Assimp::IOStream* stream) override { delete stream; }
+
+private:
+    static const std::uint8_t* bytes_of(const std::string& content) {
+        return reinterpret_cast<const std::uint8_t*>(content.data());
+    }
+    const std::string& content_;
+};
 
 /// What was checked as a file that the parser can be let loose on: binary PLY, nothing in it but points and faces. In
 /// front of the points stands one more: the parser skips blanks and line ends behind the header, and a coordinate may
@@ -66,9 +92,9 @@ MeshFile read_mesh(const std::filesystem::path& file, double max_megabytes) {
     checked = {};
     Assimp::Importer importer;
     // The parser sees this one buffer and no other file.
-    importer.SetIOHandler(
-        new Assimp::MemoryIOSystem(reinterpret_cast<const std::uint8_t*>(content.data()), content.size(), nullptr));
+    importer.SetIOHandler(new InterruptibleFile(content));
     const aiScene* scene = importer.ReadFile(AI_MEMORYIO_MAGIC_FILENAME ".ply", 0);
+    interruption_point();
     if (scene == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
         throw ReadError(file, std::string("it cannot be parsed (") + importer.GetErrorString() + ")",
                         "export or download the file again");
@@ -83,6 +109,7 @@ MeshFile read_mesh(const std::filesystem::path& file, double max_megabytes) {
         for (const aiFace& face : std::span(part->mFaces, part->mNumFaces)) {
             corners.assign(face.mIndices, face.mIndices + face.mNumIndices);
             for (int& corner : corners) corner += first - 1;
+            interruption_point(faces);
             cut_polygon(result.mesh.points, corners, result.mesh.triangles);
             ++faces;
         }

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <optional>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -36,6 +38,7 @@ std::vector<Vector3> point_normals(const TriangleMesh& mesh) {
     }
     normalise(normals);
     for (int round = 0; round < normal_rounds; ++round) {
+        interruption_point();
         std::vector<Vector3> sums = normals;
         for (const auto& t : mesh.triangles) {
             const Vector3 sum = normals[t[0]] + normals[t[1]] + normals[t[2]];
@@ -50,6 +53,7 @@ std::vector<Vector3> point_normals(const TriangleMesh& mesh) {
 /// Points that share an edge with each point, ascending.
 std::vector<std::vector<int>> neighbours_of(const TriangleMesh& mesh) {
     std::vector<std::vector<int>> neighbours(mesh.points.size());
+    interruption_point();
     for (const auto& t : mesh.triangles) {
         for (int c = 0; c < 3; ++c) {
             const int a = t[c], b = t[(c + 1) % 3];
@@ -204,6 +208,7 @@ double roughness(const TriangleMesh& mesh) {
     const std::size_t stride = mesh.points.size() / 3000 + 1;
     std::vector<double> residuals((mesh.points.size() + stride - 1) / stride, -1.0);
     tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t s) {
+        interruption_point();
         if (const auto f = fit(mesh.points, normals, s * stride, near, radius)) residuals[s] = f->residual;
     });
     std::erase_if(residuals, [](double r) { return r < 0; });
@@ -264,6 +269,7 @@ void smooth_noise(TriangleMesh& mesh, double noise) {
     for (std::size_t size = 0; size < radii.size(); ++size) {
         const NearPoints near = near_points(radii[size]);
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            interruption_point(i, 64);
             Estimate& e = estimates[i];
             if (e.is_final) return;
             const auto f = fit(mesh.points, normals, i, near, radii[size]);
@@ -283,6 +289,7 @@ void smooth_noise(TriangleMesh& mesh, double noise) {
     for (std::size_t size = 0; size < radii.size(); ++size) {
         const NearPoints near = near_points(radii[size]);
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            interruption_point(i, 64);
             const Estimate& own = estimates[i];
             if (own.size != static_cast<int>(size)) return;
             const Vector3& x = mesh.points[i];

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "datasets/interruption.h"
 #include "datasets/triangle_tree.h"
 
 namespace morphodesic::datasets {
@@ -51,8 +52,10 @@ void build(Shell& shell, const TriangleMesh& mesh, std::span<const int> shell_of
 /// Generalised winding numbers of a shell, as the file has it.
 std::vector<double> winding_of(const Shell& shell, std::span<const Vector3> points) {
     std::vector<double> result(points.size());
-    tbb::parallel_for(std::size_t{0}, points.size(),
-                      [&](std::size_t i) { result[i] = shell.tree->winding_number(points[i]); });
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+        interruption_point();
+        result[i] = shell.tree->winding_number(points[i]);
+    });
     return result;
 }
 

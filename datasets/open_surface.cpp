@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/interruption.h"
 #include "datasets/nested_shells.h"
 #include "datasets/voxelize.h"
 
@@ -41,6 +42,7 @@ Turned turn_patches_outward(TriangleMesh& mesh, const Patches& patch, const Tria
             const Vector3 n = area_vector(c);
             walked += 0.5 * norm(n);
             if (walked < area * (taken + 0.5) / samples) continue;
+            interruption_point();
             while (taken < samples && walked >= area * (taken + 0.5) / samples) ++taken;
             const Vector3 unit = (1.0 / norm(n)) * n, centre = (1.0 / 3.0) * (c[0] + c[1] + c[2]);
             for (int d = 0; d < directions; ++d) {  // spiral of evenly spread directions
@@ -92,6 +94,7 @@ std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& l
     std::vector<float> coarse(static_cast<std::size_t>(corners[0]) * corners[1] * corners[2]);
     tbb::parallel_for(0, corners[2], [&](int k) {
         for (int j = 0; j < corners[1]; ++j) {
+            interruption_point();
             for (int i = 0; i < corners[0]; ++i)
                 coarse[corner_index(i, j, k)] = evaluated(i * block, j * block, k * block);
         }
@@ -102,6 +105,7 @@ std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& l
     std::vector<char> state(lattice.node_count(), open);
     tbb::parallel_for(0, corners[2] - 1, [&](int bk) {
         for (int bj = 0; bj + 1 < corners[1]; ++bj) {
+            interruption_point();
             for (int bi = 0; bi + 1 < corners[0]; ++bi) {
                 int above = 0;
                 bool may_pass_half = false, has_surface = false;
@@ -158,6 +162,7 @@ std::vector<float> winding_above_half(const TriangleTree& tree, const Lattice& l
     }
     tbb::parallel_for(0, nz, [&](int k) {
         for (int j = 0; j < ny; ++j) {
+            interruption_point();
             for (int i = 0; i < nx; ++i) {
                 const std::size_t n = lattice.index(i, j, k);
                 if (state[n] == open) result[n] = evaluated(i, j, k);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "datasets/interruption.h"
 #include "datasets/read_error.h"
 #include "datasets/text_scan.h"
 
@@ -221,6 +222,7 @@ CheckedMesh check_ply(const fs::path& file, std::string_view content) {
         if (is_point && *std::min_element(axis.begin(), axis.end()) < 0) refuse(file, "its points have no x, y and z");
         if (is_point && !result.points.empty()) refuse(file, "its header has two lists of points");
         for (std::size_t i = 0; i < element.count; ++i) {
+            interruption_point(i);
             Vector3 point{};
             for (std::size_t p = 0; p < element.properties.size(); ++p) {
                 const Property& property = element.properties[p];

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "datasets/distance_transform.h"
+#include "datasets/interruption.h"
 
 namespace morphodesic::datasets {
 
@@ -14,6 +15,7 @@ std::vector<double> sorted_spacings(const std::vector<Vector3>& points) {
     const std::size_t stride = points.size() / 1000 + 1;
     std::vector<double> spacings((points.size() + stride - 1) / stride);
     tbb::parallel_for(std::size_t{0}, spacings.size(), [&](std::size_t s) {
+        interruption_point();
         std::array<double, 7> nearest;
         nearest.fill(1e300);
         for (const auto& p : points) {
@@ -70,6 +72,7 @@ Closing closing(const Lattice& lattice, const std::vector<float>& distance, doub
     std::vector<Vector3> rim;  // where the ball's centre comes to a stop, between two nodes
     Closing result;
     for (int k = 0; k < nz; ++k) {
+        interruption_point();
         for (int j = 0; j < ny; ++j) {
             for (int i = 0; i < nx; ++i) {
                 const std::size_t n = lattice.index(i, j, k);

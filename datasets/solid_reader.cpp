@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "datasets/import.h"
+#include "datasets/interruption.h"
 #include "datasets/mesh_reader.h"
 #include "datasets/point_cloud_reader.h"
 #include "datasets/read_error.h"
@@ -73,6 +74,7 @@ ScalarField<3> SolidGeometry::occlusion_mask(const DyadicGrid<3>& grid, const Pl
     const double h = grid.spacing(), far = 2.0;
     ScalarField<3> chi(grid, 1.0);
     tbb::parallel_for(std::size_t{0}, chi.values.size(), [&](std::size_t i) {
+        interruption_point(i);
         if (u.values[i] > h) return;
         const Point<3> x = grid.position(grid.node(i));
         const double to_seen = seen_tree.nearest(x, far).distance;

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "datasets/distance_transform.h"
+#include "datasets/interruption.h"
 #include "datasets/mesh_smoothing.h"
 #include "datasets/open_surface.h"
 #include "datasets/point_closing.h"
@@ -116,6 +117,7 @@ std::vector<char> pull_to_surface(TriangleMesh& rebuilt, const TriangleTree& sur
     const double off = 0.15 * spacing;
     std::vector<char> is_off(rebuilt.points.size(), 0);
     tbb::parallel_for(std::size_t{0}, is_off.size(), [&](std::size_t i) {
+        interruption_point(i, 64);
         const auto nearest = surface.nearest(rebuilt.points[i], off);
         is_off[i] = nearest.distance >= off ? 1 : 0;
         rebuilt.points[i] = nearest.point;
@@ -148,6 +150,7 @@ NewSurface new_surface(const TriangleMesh& rebuilt, IsNew&& is_new) {
     const std::vector<Piece> pieces = pieces_of(rebuilt, 6000);
     std::vector<double> gap(pieces.size(), -1.0);
     tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+        interruption_point();
         double distance = 0.0;
         if (is_new(pieces[i], distance)) gap[i] = 2.0 * distance;
     });
@@ -246,6 +249,7 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     std::vector<double> volume(part.count, 0.0);
     const Vector3 o = mesh.points.front();
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        interruption_point(t);
         const auto c = mesh.corners(t);
         volume[part.of_triangle[t]] += dot(c[0] - o, cross(c[1] - o, c[2] - o)) / 6.0;
     }

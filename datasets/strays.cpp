@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -28,6 +30,7 @@ Box3 core_box(std::size_t items, BoxOf&& box_of, WeightOf&& weight_of) {
     for (std::size_t i = 0; i < items; ++i) total += weight_of(i);
     std::vector<std::pair<double, double>> ends(items);  // place, weight
     const auto beyond_strays = [&] {
+        interruption_point();
         std::sort(ends.begin(), ends.end());
         double passed = 0.0;
         for (const auto& [place, weight] : ends) {

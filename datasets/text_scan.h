@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 
 /// Walks through the lines and words of a text without copying it; numbers do not depend on the locale.
@@ -17,6 +19,7 @@ public:
 
     /// The next line without its end (LF, CR LF or CR).
     std::string_view line() {
+        interruption_point(line_number_);
         const std::size_t end = rest_.find_first_of("\r\n");
         const std::string_view result = rest_.substr(0, end);
         if (end == std::string_view::npos) {

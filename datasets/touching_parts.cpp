@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -69,8 +71,10 @@ bool parts_touch(const TriangleMesh& mesh, const Patches& patch, double cell) {
     if (candidates.empty()) return false;
     const TriangleTree surface(mesh);
     std::vector<double> within(candidates.size());
-    tbb::parallel_for(std::size_t{0}, candidates.size(),
-                      [&](std::size_t i) { within[i] = area_within(surface, mesh.corners(candidates[i]), cell); });
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+        interruption_point();
+        within[i] = area_within(surface, mesh.corners(candidates[i]), cell);
+    });
     return std::accumulate(within.begin(), within.end(), 0.0) > least_area * cell * cell;
 }
 
@@ -78,6 +82,7 @@ void close_slits(const TriangleTree& surface, const Lattice& lattice, std::vecto
     const double slit = widest_slit * lattice.spacing;
     const int nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];  // clang 14 captures no bindings
     tbb::parallel_for(0, nz, [&](int k) {
+        interruption_point();
         for (int j = 0; j < ny; ++j) {
             for (int i = 0; i < nx; ++i) {
                 auto& w = winding[lattice.index(i, j, k)];

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -24,9 +26,25 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
             edges.push_back({std::min(a, b), std::max(a, b), static_cast<int>(t), a < b});
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    const auto by_points = [](const HalfEdge& a, const HalfEdge& b) {
         return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-    });
+    };
+    // Piece by piece, so that it may be given up in between.
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    const auto at = [&](std::size_t i) {
+        return edges.begin() + static_cast<std::ptrdiff_t>(std::min(i, edges.size()));
+    };
+    for (std::size_t i = 0; i < edges.size(); i += piece) {
+        interruption_point();
+        std::sort(at(i), at(i + piece), by_points);
+    }
+    for (std::size_t width = piece; width < edges.size(); width *= 2) {
+        for (std::size_t i = 0; i + width < edges.size(); i += 2 * width) {
+            interruption_point();
+            std::inplace_merge(at(i), at(i + width), at(i + 2 * width), by_points);
+        }
+    }
+    interruption_point();
     return edges;
 }
 
@@ -149,6 +167,7 @@ CleaningReport clean(TriangleMesh& mesh) {
     std::vector<Vector3> points;
     std::vector<int> merged(mesh.points.size());
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        interruption_point(i);
         const Vector3 p = mesh.points[i] + Vector3{};  // -0 becomes 0
         const auto [it, is_new] = index_of.try_emplace(p, static_cast<int>(points.size()));
         if (is_new) points.push_back(p);
@@ -175,7 +194,9 @@ CleaningReport clean(TriangleMesh& mesh) {
         std::sort(key.begin(), key.end());
         sorted.emplace_back(key, static_cast<int>(i));
     }
+    interruption_point();
     std::sort(sorted.begin(), sorted.end());
+    interruption_point();
     std::vector<char> repeated(kept.size(), 0);
     for (std::size_t i = 1; i < sorted.size(); ++i) {
         if (sorted[i].first == sorted[i - 1].first) {
@@ -230,6 +251,7 @@ std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches) {
         next[p.a].emplace_back(p.b, p.agree);
         next[p.b].emplace_back(p.a, p.agree);
     }
+    interruption_point();
     std::vector<signed char> turned(mesh.triangles.size(), -1);
     std::vector<double> kept_area(patches.count, 0.0), turned_area(patches.count, 0.0);
     std::vector<int> queue;
@@ -240,6 +262,7 @@ std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches) {
         while (!queue.empty()) {
             const int t = queue.back();
             queue.pop_back();
+            interruption_point(static_cast<std::size_t>(t));
             (turned[t] ? turned_area : kept_area)[patches.of_triangle[t]] += norm(area_vector(mesh.corners(t)));
             for (const auto& [other, agree] : next[t]) {
                 if (turned[other] >= 0) continue;

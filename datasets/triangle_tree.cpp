@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 namespace {
 
@@ -67,7 +69,10 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
     nodes_.emplace_back();
     nodes_[0].last = static_cast<int>(triangles_.size());
     // Children are appended behind their parents, so the list grows while it is walked.
-    for (std::size_t n = 0; n < nodes_.size(); ++n) build(static_cast<int>(n));
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        interruption_point();
+        build(static_cast<int>(n));
+    }
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
         dipoles_.push_back(0.5 * area_vector(triangles_[t]));
         double radius2 = 0.0;

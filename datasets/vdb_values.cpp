@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <openvdb/io/Stream.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <tbb/global_control.h>
@@ -17,6 +18,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "datasets/interruption.h"
 #include "datasets/read_error.h"
 #include "datasets/vdb_check.h"
 
@@ -126,6 +128,9 @@ std::string all_of(int from) {
     std::string result;
     std::array<char, 65536> block;
     for (;;) {
+        interruption_point();
+        pollfd ready{from, POLLIN, 0};
+        if (::poll(&ready, 1, 200) == 0) continue;
         const ssize_t size = ::read(from, block.data(), block.size());
         if (size < 0 && errno == EINTR) continue;
         if (size <= 0) return result;
@@ -155,10 +160,20 @@ openvdb::FloatGrid::Ptr read_vdb_values(std::string content, const fs::path& fil
         ::close(ends[0]);
         throw ReadError(file, std::string("it cannot be read (") + std::strerror(error) + ")", "close other programs");
     }
-    const std::string answer = all_of(ends[0]);
-    ::close(ends[0]);
+    std::string answer;
     int status = 0;
-    while (::waitpid(reader, &status, 0) < 0 && errno == EINTR) continue;
+    const auto end_reader = [&] {
+        ::close(ends[0]);
+        while (::waitpid(reader, &status, 0) < 0 && errno == EINTR) continue;
+    };
+    try {
+        answer = all_of(ends[0]);
+    } catch (const Interrupted&) {
+        ::kill(reader, SIGKILL);
+        end_reader();
+        throw;
+    }
+    end_reader();
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) {
         throw ReadError(file, "its values were not read within " + std::to_string(patience / 60) + " minutes", remedy);
     }

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 
+#include "datasets/interruption.h"
 #include "datasets/nifti_reader.h"
 #include "datasets/nrrd_reader.h"
 #include "datasets/read_error.h"
@@ -182,6 +183,7 @@ std::string bytes_between(const fs::path& file, std::size_t offset, std::size_t 
     std::size_t done = 0;
     while (done < result.size()) {
         const auto step = static_cast<unsigned>(std::min<std::size_t>(result.size() - done, 1U << 30));
+        interruption_point();
         const int got = gzread(in.get(), result.data() + done, step);
         if (got <= 0) break;
         done += static_cast<std::size_t>(got);
@@ -262,6 +264,7 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
                     static_cast<std::size_t>(volume.nodes[1]) * static_cast<std::size_t>(k));
     };
     for (int k = 0; k < volume.nodes[2]; ++k) {
+        interruption_point();
         for (int j = 0; j < volume.nodes[1]; ++j) {
             for (int i = 0; i < volume.nodes[0]; ++i) {
                 if (!(volume.values[index(i, j, k)] > iso)) continue;
@@ -285,6 +288,7 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
     constexpr float band = 3.0F;  // what isosurface keeps of the values on either side
     std::vector<float> values(lattice.node_count());
     for (int k = 0; k < lattice.nodes[2]; ++k) {
+        interruption_point();
         for (int j = 0; j < lattice.nodes[1]; ++j) {
             for (int i = 0; i < lattice.nodes[0]; ++i) {
                 const std::array<int, 3> node{i + first[0] - 2, j + first[1] - 2, k + first[2] - 2};

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "datasets/distance_transform.h"
+#include "datasets/interruption.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/winding_number.h"
 
@@ -33,6 +34,21 @@ private:
     const Lattice& lattice_;
 };
 
+/// Has OpenVDB end early if reading is to be given up; what it then returns is of no use.
+class Interrupter {
+public:
+    void start(const char* = nullptr) {}
+    void end() {}
+    [[nodiscard]] bool wasInterrupted(int = -1) const {
+        try {
+            interruption_point();
+        } catch (const Interrupted&) {
+            return true;
+        }
+        return false;
+    }
+};
+
 openvdb::CoordBBox nodes_of(const Lattice& lattice) {
     return {openvdb::Coord(0), openvdb::Coord(lattice.nodes[0] - 1, lattice.nodes[1] - 1, lattice.nodes[2] - 1)};
 }
@@ -41,9 +57,11 @@ openvdb::CoordBBox nodes_of(const Lattice& lattice) {
 
 std::vector<float> distance_to_triangles(const TriangleMesh& mesh, const Lattice& lattice, double band) {
     const auto voxels = openvdb::math::Transform::createLinearTransform(1.0);
+    Interrupter interruption;
     const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        MeshOnLattice(mesh, lattice), *voxels, static_cast<float>(band), static_cast<float>(band),
+        interruption, MeshOnLattice(mesh, lattice), *voxels, static_cast<float>(band), static_cast<float>(band),
         openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+    interruption_point();
     std::vector<float> distance(lattice.node_count());
     openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(nodes_of(lattice), distance.data());
     openvdb::tools::copyToDense(*grid, dense);
@@ -100,6 +118,7 @@ LevelSet<3> signed_distance(const TriangleMesh& mesh, const DyadicGrid<3>& grid)
     LevelSet<3> u(grid);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, u.values.size(), 4096), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            interruption_point(i);
             double distance = far[i];
             if (near[i] < 1.5 * h) {
                 distance = near[i];

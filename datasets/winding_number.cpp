@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/interruption.h"
+
 namespace morphodesic::datasets {
 
 std::vector<std::int8_t> winding_numbers(const TriangleMesh& mesh, const Lattice& lattice) {
@@ -15,6 +17,7 @@ std::vector<std::int8_t> winding_numbers(const TriangleMesh& mesh, const Lattice
     std::vector<std::int8_t> winding(lattice.node_count(), 0);
     tbb::parallel_for(tbb::blocked_range<int>(0, nz, 4), [&](const tbb::blocked_range<int>& slab) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            interruption_point(t);
             const auto& corner = mesh.triangles[t];
             const auto c = mesh.corners(t);
             const double z0 = lattice.origin[2] + shift_z, y0 = lattice.origin[1] + shift_y;

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "analysis/csv.h"
+#include "datasets/interruption.h"
 #include "datasets/read_error.h"
 #include "pipeline/cli_hints.h"
 #include "pipeline/commands.h"
@@ -518,6 +519,9 @@ int parse_and_run(std::vector<std::string> arguments) {
 int guarded_run(const std::vector<std::string>& arguments) {
     try {
         return parse_and_run(arguments);
+    } catch (const datasets::Interrupted&) {
+        std::cerr << "morphodesic: stopped while a file was read. To go on, give the same command again\n";
+        return 128 + StopSignals::caught();
     } catch (const StoreError& error) {
         std::cerr << "morphodesic: " << error.what() << "\n";
         return environment_failed;
@@ -547,6 +551,7 @@ int run_program(const std::vector<std::string>& arguments) {
     open_standard_streams();
     const PrintableErrors printable_errors;
     StopSignals::install();
+    datasets::set_interruption([] { return StopSignals::caught() != 0; });
     const int code = guarded_run(arguments);
     if ((code == all_done || code == some_failed) && output_lost()) {
         std::cerr << "morphodesic: standard output cannot be written; nothing that was computed is lost: free some "

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/interruption.h"
 #include "datasets/solid_reader.h"
 #include "pipeline/digest.h"
 #include "pipeline/stop_signals.h"
@@ -119,6 +120,8 @@ void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std
             if (kept_bytes.fetch_add(raw.bytes) + raw.bytes > most_kept_bytes) return;
             entry.measured = std::make_shared<std::optional<datasets::RawShape<3>>>(std::move(raw));
         }
+    } catch (const datasets::Interrupted&) {
+        return;  // the whole collection is given up
     } catch (const std::exception&) {
         entry.row.problem = problem_of_file(entry.row.path, " to read it; use a smaller file");
     }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "datasets/interruption.h"
 #include "pipeline/shape_cache.h"
 #include "pipeline/whole_tasks.h"
 
@@ -196,14 +197,22 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
             }
             return next++;
         });
-        flow::function_node<std::size_t, ImportedShape<Dim>> import(
+        using MaybeShape = std::optional<ImportedShape<Dim>>;
+        flow::function_node<std::size_t, MaybeShape> import(
             graph, static_cast<std::size_t>(options.threads), [&](std::size_t index) {
-                return guarded([&] { return run_whole([&] { return import_entry<Dim>(collection, index, store); }); });
+                return guarded([&]() -> MaybeShape {
+                    try {
+                        return run_whole([&] { return import_entry<Dim>(collection, index, store); });
+                    } catch (const datasets::Interrupted&) {
+                        return std::nullopt;  // given up on request, as is all that is not begun yet
+                    }
+                });
             });
-        flow::multifunction_node<ImportedShape<Dim>, std::tuple<GeodesicKey>> schedule(
-            graph, flow::serial, [&](const ImportedShape<Dim>& shape, auto& ports) {
+        flow::multifunction_node<MaybeShape, std::tuple<GeodesicKey>> schedule(
+            graph, flow::serial, [&](const MaybeShape& shape, auto& ports) {
                 guarded([&] {
-                    for (const GeodesicKey& task : scheduler.arrive(shape)) std::get<0>(ports).try_put(task);
+                    if (!shape) return;
+                    for (const GeodesicKey& task : scheduler.arrive(*shape)) std::get<0>(ports).try_put(task);
                 });
             });
         flow::queue_node<GeodesicKey> queue(graph);

@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "datasets/import.h"
+#include "datasets/interruption.h"
 #include "datasets/random_source.h"
 #include "datasets/solid_reader.h"
 #include "tests/datasets/solids/solid_files.h"
@@ -55,6 +58,38 @@ TEST(SolidReader, WithoutNormalisationSizesAreThoseOfTheFile) {
         EXPECT_THAT(error.what(), testing::HasSubstr("does not fit"));
         EXPECT_THAT(error.what(), testing::HasSubstr("--normalize common"));
     }
+}
+
+TEST(SolidReader, ReadingIsGivenUpOnRequest) {
+    static std::atomic<long> left{0};
+    const FileFolder folder;
+    TriangleMesh open = ball_mesh({}, 1.0, 4);
+    const std::string closed_file = obj_text(open);
+    open.triangles.resize(open.triangles.size() - 20);
+    const std::vector<ShapeSource> files{source_of(folder.write("closed.obj", closed_file)),
+                                         source_of(folder.write("open.ply", ply_file(open, "ascii"))),
+                                         source_of(folder.write("cloud.ply", ply_file({open.points, {}}, "ascii")))};
+    const auto is_given_up = [](const ShapeSource& file) {
+        try {
+            import_shape<3>(file, {}, NormalizeOptions{});
+            return false;
+        } catch (const Interrupted&) {
+            return true;
+        }
+    };
+    set_interruption([] { return --left < 0; });
+    for (const ShapeSource& file : files) {
+        left = 1L << 40;
+        ASSERT_FALSE(is_given_up(file));
+        const long asked = (1L << 40) - left;
+        EXPECT_GT(asked, 100) << file.name;  // all along the way
+        for (const long after : {0L, asked / 8, asked / 2}) {
+            left = after;
+            EXPECT_TRUE(is_given_up(file)) << file.name << " after " << after << " of " << asked;
+        }
+    }
+    set_interruption(nullptr);
+    EXPECT_FALSE(is_given_up(files[1]));
 }
 
 TEST(SolidReader, UnitsAndPlaceDoNotMatterWhenEachIsScaled) {
