@@ -109,7 +109,7 @@ void limit_memory(std::size_t content_size) {
     }
     const rlimit no_dump{0, 0};
     ::setrlimit(RLIMIT_CORE, &no_dump);
-    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM}) std::signal(signal, SIG_DFL);
     ::alarm(patience);
     limit_memory(content.size());
     // A process born of one with threads has none of them and must not make new ones; the library takes grids apart in
