@@ -138,11 +138,9 @@ private:
     /// Counts files that may be meant as shapes: all but those that belong to others or tell of them.
     void note_other_kind(const fs::path& file) {
         constexpr std::string_view companions =
-            " .csv .tsv .txt .md .rst .json .xml .html .htm .pdf .toml .yaml .yml .ini .log .mtl .raw .zraw .bib .doc "
-            ".docx "
-            ".odt .xls .xlsx .ods .py .r .m .sh .bat .sqlite .db .bak .tmp .lock .sqlite-wal .sqlite-shm "
-            ".sqlite-journal "
-            ".tps .lnk .url ";
+            " .csv .tsv .txt .md .rst .json .xml .html .htm .pdf .toml .yaml .yml .ini .log .mtl .raw .zraw .bib "
+            ".doc .docx .odt .xls .xlsx .ods .py .r .m .sh .bat .sqlite .db .bak .tmp .lock .sqlite-wal "
+            ".sqlite-shm .sqlite-journal .tps .lnk .url ";
         const std::string ending = ending_of(file);
         const bool is_companion = ending.empty() || companions.find(" " + ending + " ") != std::string_view::npos;
         if (!is_companion) ++other_kinds_[ending];

@@ -31,8 +31,6 @@ constexpr double largest_new_share = 0.3;  // of the surface: beyond it the othe
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
 constexpr double largest_ball = 0.25;      // of the length: a larger one would lie in the object rather than on it
 
-constexpr char filled_cavity_note[] = "An inner cavity was filled, as its wall is too open.";
-
 std::string number(double value, const char* format = "%.3g") {
     char text[32];
     std::snprintf(text, sizeof text, format, value);
@@ -325,7 +323,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         };
         measure_winding();
         if (low == -1 && high <= 0) {
-            for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+            turn_inside_out(mesh);
             for (auto& w : winding) w = static_cast<std::int8_t>(-w);
             low = 0, high = 1;
             notes.push_back("The surface was inside out and was turned.");
@@ -367,7 +365,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
-    if (outward.filled_cavity) notes.emplace_back(filled_cavity_note);
+    if (outward.filled_cavity) notes.emplace_back("An inner cavity was filled, as its wall is too open.");
     smooth_if_noisy(mesh, box.diagonal(), options, notes);
     const std::string crowded = "has " + count(state.crowded_edges, "edge") + " of three or more triangles";
     std::string kind = "The surface is closed but one-sided, as a Klein bottle is";

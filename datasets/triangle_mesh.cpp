@@ -282,9 +282,13 @@ std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches) {
     return count;
 }
 
+void turn_inside_out(TriangleMesh& mesh) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
 void mirror(TriangleMesh& mesh) {
     for (auto& p : mesh.points) p[0] = -p[0];
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    turn_inside_out(mesh);
 }
 
 }  // namespace morphodesic::datasets

@@ -117,6 +117,9 @@ Patches patches(const TriangleMesh& mesh, bool across_all_points = false);
 /// @return  number of triangles that were turned
 std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches);
 
+/// The same surface seen from its other side.
+void turn_inside_out(TriangleMesh& mesh);
+
 /// Mirror image: x -> -x, with the orientation of the triangles put right.
 void mirror(TriangleMesh& mesh);
 

@@ -112,7 +112,7 @@ TriangleMesh read_vdb_surface(const fs::path& file, const std::string& isovalue,
                         "export it again with numbers everywhere");
     }
     if (signed_volume(mesh) < 0) {
-        for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+        turn_inside_out(mesh);
     }
     return mesh;
 }

@@ -305,7 +305,7 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
         p = volume.origin + p[0] * volume.step[0] + p[1] * volume.step[1] + p[2] * volume.step[2];
     }
     if (dot(volume.step[0], cross(volume.step[1], volume.step[2])) < 0) {
-        for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+        turn_inside_out(mesh);
     }
     return mesh;
 }

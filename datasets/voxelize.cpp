@@ -102,7 +102,7 @@ TriangleMesh isosurface(const Lattice& lattice, const std::vector<float>& values
         }
     }
     if (signed_volume(mesh) < 0) {
-        for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+        turn_inside_out(mesh);
     }
     return mesh;
 }

@@ -45,6 +45,12 @@ inline TriangleMesh ball_mesh(const Vector3& centre, double radius, int division
     return mesh;
 }
 
+/// The same surface seen from its other side.
+inline TriangleMesh inside_out(TriangleMesh mesh) {
+    turn_inside_out(mesh);
+    return mesh;
+}
+
 inline TriangleMesh box_mesh(const Vector3& low, const Vector3& high) {
     TriangleMesh mesh;
     for (int c = 0; c < 8; ++c) {

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "datasets/solidify.h"
 #include "tests/datasets/solids/solid_files.h"
 
@@ -12,16 +14,11 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double pi = 3.14159265358979323846;
+constexpr double pi = std::numbers::pi;
 constexpr double outer = 50.0, inner = 30.0;
 
 double ball_volume(double radius) {
     return 4.0 / 3.0 * pi * std::pow(radius, 3);
-}
-
-TriangleMesh inside_out(TriangleMesh mesh) {
-    for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
-    return mesh;
 }
 
 /// Without the part above a height.

@@ -98,8 +98,7 @@ TEST(Solidify, ClosedMeshIsTakenAsItIs) {
 }
 
 TEST(Solidify, InsideOutIsTurned) {
-    TriangleMesh ball = ball_mesh(middle, radius, 4);
-    for (auto& t : ball.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh ball = inside_out(ball_mesh(middle, radius, 4));
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     EXPECT_GT(solid.volume, 0.99 * ball_volume);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("inside out")));
@@ -154,8 +153,7 @@ TEST(Solidify, OverlappingPartsAreUnited) {
 }
 
 TEST(Solidify, HollowObjectsStayHollow) {
-    TriangleMesh inner = ball_mesh(middle, 0.2, 4);
-    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.2, 4));
     const Solid solid = solid_from_triangles(joined(ball_mesh(middle, radius, 5), inner), "shell", coarse());
     EXPECT_NEAR(solid.volume, 4.0 / 3.0 * pi * (std::pow(radius, 3) - 0.008), 0.01 * ball_volume);
     const LevelSet<3> u = signed_distance(solid.mesh, DyadicGrid<3>(4));
@@ -164,8 +162,7 @@ TEST(Solidify, HollowObjectsStayHollow) {
 }
 
 TEST(Solidify, UnitingKeepsCavities) {
-    TriangleMesh inner = ball_mesh(middle, 0.2, 4);
-    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.2, 4));
     const TriangleMesh hollow = joined(ball_mesh(middle, radius, 5), inner);
     const TriangleMesh knob = ball_mesh({0.82, 0.5, 0.5}, 0.1, 4);  // reaches into the wall, not through it
     const Solid solid = solid_from_triangles(joined(hollow, knob), "hollow", coarse());
@@ -174,8 +171,7 @@ TEST(Solidify, UnitingKeepsCavities) {
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
     EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("inside out"))));
     // A part that is inside out is turned all the same.
-    TriangleMesh turned = knob;
-    for (auto& t : turned.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh turned = inside_out(knob);
     const Solid put_right = solid_from_triangles(joined(ball_mesh(middle, radius, 5), turned), "turned", coarse());
     EXPECT_NEAR(put_right.volume, full.volume, 1e-6 * full.volume);
     EXPECT_THAT(put_right.notes, Contains(HasSubstr("inside out")));
@@ -199,8 +195,7 @@ TEST(Solidify, BoxesThatOverlapBecomeOneWithoutCracks) {
 }
 
 TEST(Solidify, SharesOfThePartsDoNotExceedTheWhole) {
-    TriangleMesh inner = ball_mesh(middle, 0.25, 4);
-    for (auto& t : inner.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.25, 4));
     const TriangleMesh nest = joined(joined(ball_mesh(middle, radius, 5), inner), ball_mesh(middle, 0.15, 4));
     const Solid solid = solid_from_triangles(nest, "nest", coarse());
     EXPECT_THAT(solid.notes, Contains(HasSubstr("2 separate parts; the largest holds 88.")));  // 27 / (27 + 3.375)

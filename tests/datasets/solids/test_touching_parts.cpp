@@ -35,8 +35,7 @@ TEST(TouchingParts, NoWallIsLeftBetweenThem) {
         clean(both);
         EXPECT_NEAR(solid.volume, signed_volume(both), 0.003 * signed_volume(both)) << what;
         EXPECT_EQ(patches(solid.mesh).count, 1) << what;
-        for (auto& t : both.triangles) std::swap(t[0], t[1]);  // inside out
-        EXPECT_NEAR(solid_from_triangles(both, what).volume, solid.volume, 1e-4 * solid.volume) << what;
+        EXPECT_NEAR(solid_from_triangles(inside_out(both), what).volume, solid.volume, 1e-4 * solid.volume) << what;
     }
 }
 
@@ -61,8 +60,7 @@ TEST(TouchingParts, OthersStayAsTheyAre) {
     stay(joined(cube, box_mesh({20, 20, 0}, {40, 40, 20})), "at an edge");
     stay(joined(cube, box_mesh({20, 20, 20}, {40, 40, 40})), "at a corner");
     stay(joined(ball_mesh({0, 0, 0}, 10, 5), ball_mesh({20, 0, 0}, 10, 5)), "balls");
-    TriangleMesh hollow = box_mesh({5, 5, 5}, {15, 15, 15});
-    for (auto& t : hollow.triangles) std::swap(t[0], t[1]);
+    const TriangleMesh hollow = inside_out(box_mesh({5, 5, 5}, {15, 15, 15}));
     stay(joined(cube, hollow), "a cavity");
     stay(joined(box_mesh({0, 0, 0}, {20, 20, 0.03}), divided_box_mesh({0, 0, 0.03}, {20, 20, 0.06}, 1)), "thin sheets");
 }

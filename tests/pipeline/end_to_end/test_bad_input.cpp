@@ -173,8 +173,7 @@ TEST(BadInput, SolidsAreNamedWithFaultAndRemedyAndTheGoodPairIsThere) {
     bad("empty.vdb", "");
     bad("<i>%d' \".obj", "f 1 2 3\n");
     // What can be mended is, and stays in the study.
-    TriangleMesh inverted = ball;
-    for (auto& t : inverted.triangles) std::swap(t[1], t[2]);
+    const TriangleMesh inverted = inside_out(ball);
     mended("inverted.obj", obj_text(inverted));
     mended("unordered.obj",
            obj_text(joined(TriangleMesh{ball.points, {ball.triangles.begin(), ball.triangles.end() - 9}},

@@ -29,6 +29,12 @@ int repeats() {
     return asked ? std::atoi(asked) : 3;
 }
 
+/// Makes a folder with a file system of its own, of so many bytes as mount has it; false if this user may not.
+bool mounted(const fs::path& folder, const std::string& size) {
+    fs::create_directories(folder);
+    return shell("mount -t tmpfs -o size=" + size + " tmpfs '" + folder.string() + "'").code == 0;
+}
+
 class RandomFaults : public testing::Test {
 protected:
     void SetUp() override {
@@ -57,10 +63,9 @@ protected:
     }
     /// The store is called damaged; what the message says to do makes the same command end well.
     void expect_refused_with_advice_that_helps() const {
-        for (const std::vector<std::string>& command : {command_, {"analyze", study_.string()}}) {
-            EXPECT_EQ(morphodesic(command).code, 3) << command.front();
-        }
+        EXPECT_EQ(morphodesic({"analyze", study_.string()}).code, 3);
         const Outcome refused = morphodesic(command_);
+        EXPECT_EQ(refused.code, 3) << refused.err;
         std::smatch advice;
         ASSERT_TRUE(
             std::regex_search(refused.err, advice, std::regex("sqlite3 study.sqlite .*mv saved.sqlite study.sqlite")))
@@ -198,10 +203,7 @@ TEST_F(RandomFaults, AReadOnlyStudyEndsWithAdvice) {
 
 TEST_F(RandomFaults, AFullFileSystemEndsWithAdviceAndNothingIsLost) {
     const fs::path disk = folder_ / "disk";
-    fs::create_directories(disk);
-    if (shell("mount -t tmpfs -o size=300k tmpfs '" + disk.string() + "'").code != 0) {
-        GTEST_SKIP() << "only root can make a small file system";
-    }
+    if (!mounted(disk, "300k")) GTEST_SKIP() << "only root can make a small file system";
     const auto command = [&] {
         auto words = command_;
         words.insert(words.end(), {"--out", (disk / "study").string()});
@@ -220,13 +222,10 @@ TEST_F(RandomFaults, AFullFileSystemEndsWithAdviceAndNothingIsLost) {
 
 TEST_F(RandomFaults, AShardOnAFullFileSystemEndsWithAMessageAndGoesOnLater) {
     const fs::path disk = folder_ / "disk";
-    fs::create_directories(disk);
     ASSERT_EQ(morphodesic(quick({"ingest", men_.string(), "--out", (folder_ / "p.study").string()})).code, 0);
     ASSERT_EQ(morphodesic({"plan", (folder_ / "p.study").string(), "--shards", "1"}).code, 0);
     for (const char* size : {"4k", "8k", "8k", "12k", "12k"}) {
-        if (shell("mount -t tmpfs -o size=" + std::string(size) + " tmpfs '" + disk.string() + "'").code != 0) {
-            GTEST_SKIP() << "only root can make a small file system";
-        }
+        if (!mounted(disk, size)) GTEST_SKIP() << "only root can make a small file system";
         const std::vector<std::string> shard{
             "shard", (folder_ / "p.study").string(), "1/1", "--out", disk / "r.jsonl", "--threads", "4"};
         const Outcome done = morphodesic(shard);
@@ -244,10 +243,7 @@ TEST_F(RandomFaults, AShardOnAFullFileSystemEndsWithAMessageAndGoesOnLater) {
 
 TEST_F(RandomFaults, AFullFileSystemLeavesTheResultsOfTheLastClassification) {
     const fs::path disk = folder_ / "disk", results = disk / "results";
-    fs::create_directories(disk);
-    if (shell("mount -t tmpfs -o size=50m tmpfs '" + disk.string() + "'").code != 0) {
-        GTEST_SKIP() << "only root can make a small file system";
-    }
+    if (!mounted(disk, "50m")) GTEST_SKIP() << "only root can make a small file system";
     make_disks(folder_ / "queries", 2);
     std::vector<std::string> command =
         quick({"classify", "one of them", "--templates", men_.string(), "--out", results.string(), "--quiet"});
