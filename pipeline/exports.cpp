@@ -7,6 +7,7 @@
 #include "analysis/matrix_csv.h"
 #include "analysis/npy.h"
 #include "pipeline/commands/summary.h"
+#include "pipeline/placed_queries.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -107,10 +108,15 @@ std::string accuracy_csv(const reports::ReportModel& model) {
 
 }  // namespace
 
-void export_tables(const StudyData& data, const AnalysedStudy& analysed, const StudyFolder& folder) {
-    std::ostringstream distances;
-    analysis::write_distance_csv(distances, data.distances);
-    folder.write("distances.csv", distances.str());
+RunFiles tables_of(const StudyData& data, const AnalysedStudy& analysed) {
+    RunFiles files;
+    const auto add = [&](const char* name, std::string text) { files.written.emplace_back(name, std::move(text)); };
+    const auto text = [](auto&& write) {
+        std::ostringstream out;
+        write(out);
+        return out.str();
+    };
+    add("distances.csv", text([&](std::ostream& out) { analysis::write_distance_csv(out, data.distances); }));
     if (data.settings.pairs.neighbors > 0) {
         analysis::DistanceMatrix refined = data.distances;
         for (std::size_t i = 0; i < refined.size(); ++i) {
@@ -118,30 +124,29 @@ void export_tables(const StudyData& data, const AnalysedStudy& analysed, const S
                 if (!data.refined(data.index(i, j))) refined.set(i, j, analysis::missing);
             }
         }
-        std::ostringstream text;
-        analysis::write_distance_csv(text, refined);
-        folder.write("distances_refined.csv", text.str());
+        add("distances_refined.csv", text([&](std::ostream& out) { analysis::write_distance_csv(out, refined); }));
     } else {
-        folder.remove("distances_refined.csv");  // of an earlier run with --neighbors
+        files.dropped.emplace_back("distances_refined.csv");
     }
-    std::ostringstream npy;
-    analysis::write_npy(npy, analysis::NpyArray{data.distances.size(), data.distances.size(), data.distances.dense()});
-    folder.write("distances.npy", npy.str());
+    add("distances.npy", text([&](std::ostream& out) {
+            const std::size_t n = data.distances.size();
+            analysis::write_npy(out, analysis::NpyArray{n, n, data.distances.dense()});
+        }));
     if (!data.given) {
-        folder.write("pairs.csv", pairs_csv(data));
-        folder.write("shapes.csv", shapes_csv(data));
+        add("pairs.csv", pairs_csv(data));
+        add("shapes.csv", shapes_csv(data));
     }
-    const auto text = [](auto&& write) {
-        std::ostringstream out;
-        write(out);
-        return out.str();
-    };
     const analysis::AnalysisResult& result = analysed.analysis;
-    folder.write("clusters.csv",
-                 text([&](std::ostream& out) { analysis::write_clusters_csv(out, result, data.distances); }));
-    folder.write("linkage.csv", text([&](std::ostream& out) { analysis::write_linkage_csv(out, result); }));
-    folder.write("embedding.csv", text([&](std::ostream& out) { analysis::write_embedding_csv(out, result); }));
-    folder.write("accuracy.csv", accuracy_csv(analysed.model));
+    add("clusters.csv", text([&](std::ostream& out) { analysis::write_clusters_csv(out, result, data.distances); }));
+    add("linkage.csv", text([&](std::ostream& out) { analysis::write_linkage_csv(out, result); }));
+    add("embedding.csv", text([&](std::ostream& out) { analysis::write_embedding_csv(out, result); }));
+    add("accuracy.csv", accuracy_csv(analysed.model));
+    if (analysed.model.placed.empty()) {
+        files.dropped.emplace_back("placed.csv");
+    } else {
+        add("placed.csv", placed_csv(analysed.model));
+    }
+    return files;
 }
 
 void summarise(const reports::ReportModel& model, Summary& summary) {

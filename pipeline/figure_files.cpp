@@ -41,16 +41,21 @@ void write_figures(const reports::ReportModel& model, const StudyFolder& folder)
         const fs::path file = entry.path();
         if (is_figure(file) && !names.contains(file.stem().string())) fs::remove(file, ignored);
     }
-    for_each_whole(figures.size(), [&](std::size_t k) {
-        const reports::Figure& figure = figures[k];
-        const auto file = [&](const char* ending) { return below / (figure.name + ending); };
-        const bool there = fs::exists(folder.path() / file(".pdf")) && fs::exists(folder.path() / file(".png"));
-        if (there && bytes_of(folder.path() / file(".svg")) == figure.svg) return;
-        std::error_code absent;
-        fs::remove(folder.path() / file(".svg"), absent);  // written last: it says that all three are there
-        folder.write(file(".pdf"), reports::svg_to_pdf(figure.svg));
-        folder.write(file(".png"), reports::svg_to_png(figure.svg, 0, 2.0));
-        folder.write(file(".svg"), figure.svg);
+    const auto file = [&](const reports::Figure& figure, const char* ending) { return below / (figure.name + ending); };
+    // What an earlier report left goes before anything is written: none of it may stand beside the new figures.
+    std::vector<const reports::Figure*> changed;
+    for (const reports::Figure& figure : figures) {
+        const fs::path pdf = folder.path() / file(figure, ".pdf"), png = folder.path() / file(figure, ".png"),
+                       svg = folder.path() / file(figure, ".svg");
+        if (fs::exists(pdf) && fs::exists(png) && bytes_of(svg) == figure.svg) continue;
+        for (const fs::path& old : {svg, pdf, png}) fs::remove(old, ignored);
+        changed.push_back(&figure);
+    }
+    for_each_whole(changed.size(), [&](std::size_t k) {
+        const reports::Figure& figure = *changed[k];
+        folder.write(file(figure, ".pdf"), reports::svg_to_pdf(figure.svg));
+        folder.write(file(figure, ".png"), reports::svg_to_png(figure.svg, 0, 2.0));
+        folder.write(file(figure, ".svg"), figure.svg);  // last: it says that all three are there
     });
 }
 

@@ -178,9 +178,9 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
                    Progress& progress, Summary& summary) {
     AnalysedStudy analysed = analyse_study(data, options.analysis);
     if (StopSignals::caught() != 0) return;
-    add_findings(data, options, folder, analysed, summary);
-    export_tables(data, analysed, folder);
-    if (analysed.model.shapes.empty()) return;
+    add_findings(data, options, analysed, summary);
+    RunFiles tables = tables_of(data, analysed);
+    if (analysed.model.shapes.empty()) return folder.write_together(tables);
     analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
     with_dimension(data.dimension, [&]<int Dim>() {
         const StudyView view = view_of_study(store, data);
@@ -192,11 +192,10 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     }
     if (!data.unfinished.empty()) analysed.model.warnings.push_back(data.unfinished);
     add_provenance(data, store, folder, options.analysis, analysed.model);
-    write_report(analysed.model, folder, summary);
+    write_report(std::move(tables), analysed.model, folder, summary);
 }
 
-void add_findings(const StudyData& data, const StudyOptions& options, const StudyFolder& folder,
-                  AnalysedStudy& analysed, Summary& summary) {
+void add_findings(const StudyData& data, const StudyOptions& options, AnalysedStudy& analysed, Summary& summary) {
     if (!options.compare.empty()) {
         const StudyData other = load_study_or_table(options.compare, {{}, options.asymmetric});
         const std::filesystem::path named =
@@ -207,10 +206,7 @@ void add_findings(const StudyData& data, const StudyOptions& options, const Stud
                                 number_text("%.4f", compare.spearman) + ", " +
                                 number_text("%.1f %%", 100 * compare.mean_overlap) + " of the neighbours agree");
     }
-    if (options.place.empty()) {
-        folder.remove("placed.csv");  // of other maps
-        return;
-    }
+    if (options.place.empty()) return;
     const QueryTable table = read_queries(options.place, analysed.analysis.labels);
     const std::vector<QueryRow>& queries = table.queries;
     if (const auto& strangers = table.strangers; !strangers.empty()) {
@@ -222,15 +218,15 @@ void add_findings(const StudyData& data, const StudyOptions& options, const Stud
         analysed.model.trust.remarks.push_back(remark);
     }
     analysed.model.placed = place_queries(analysed.analysis, queries);
-    folder.write("placed.csv", placed_csv(analysed.model));
     summary.data["placed"] = queries.size();
     summary.lines.push_back(std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries") +
                             " placed in the maps: placed.csv");
 }
 
-void write_report(const reports::ReportModel& model, const StudyFolder& folder, Summary& summary) {
-    folder.write("report.json", reports::to_json(model));
-    folder.write("report.html", reports::render_html(model));
+void write_report(RunFiles tables, const reports::ReportModel& model, const StudyFolder& folder, Summary& summary) {
+    tables.written.emplace_back("report.json", reports::to_json(model));
+    tables.written.emplace_back("report.html", reports::render_html(model));
+    folder.write_together(tables);
     write_figures(model, folder);
     summarise(model, summary);
     summary.data["report"] = (folder.path() / "report.html").string();

@@ -96,24 +96,30 @@ void StudyFolder::create() const {
 }
 
 void StudyFolder::write(const fs::path& name, std::string_view bytes) const {
-    std::error_code error;
-    const bool kept = fs::exists(store(), error);
+    const bool kept = has_store();
     write_part(name, bytes, kept);
     put_in_place(name, kept);
 }
 
-void StudyFolder::write_together(const std::vector<std::pair<fs::path, std::string>>& files) const {
+void StudyFolder::write_together(const RunFiles& files) const {
+    const bool kept = has_store();
     try {
-        for (const auto& [name, bytes] : files) write_part(name, bytes, false);
-        for (const auto& [name, bytes] : files) {
-            if (fs::is_directory(path_ / name)) throw StoreError(path_ / name, remedy(EISDIR, false));
+        for (const auto& [name, bytes] : files.written) write_part(name, bytes, kept);
+        for (const auto& [name, bytes] : files.written) {
+            if (fs::is_directory(path_ / name)) throw StoreError(path_ / name, remedy(EISDIR, kept));
         }
-        remove(files.back().first);
-        for (const auto& [name, bytes] : files) put_in_place(name, false);
+        for (const fs::path& name : files.dropped) remove(name);
+        remove(files.written.back().first);
+        for (const auto& [name, bytes] : files.written) put_in_place(name, kept);
     } catch (...) {
-        for (const auto& [name, bytes] : files) ::unlink(part_of(path_ / name).c_str());
+        for (const auto& [name, bytes] : files.written) ::unlink(part_of(path_ / name).c_str());
         throw;
     }
+}
+
+bool StudyFolder::has_store() const {
+    std::error_code error;
+    return fs::exists(store(), error);
 }
 
 void StudyFolder::write_part(const fs::path& name, std::string_view bytes, bool kept) const {

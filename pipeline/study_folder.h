@@ -10,6 +10,12 @@
 
 namespace morphodesic::pipeline {
 
+/// Files that belong to one run, by names relative to the folder of results; the last one tells that all are there.
+struct RunFiles {
+    std::vector<std::pair<std::filesystem::path, std::string>> written;
+    std::vector<std::filesystem::path> dropped;  ///< what an earlier run may have left and this one does not have
+};
+
 /// Names of what a study folder, or another folder of results, holds.
 class StudyFolder {
 public:
@@ -34,13 +40,13 @@ public:
     /// @param name  relative to the study folder; folders are made
     /// @throws StoreError if the disk is full or the folder may not be written
     void write(const std::filesystem::path& name, std::string_view bytes) const;
-    /// Writes files of one run that no store keeps: if one of them cannot be written, those of an earlier run all stay.
-    /// The last one is there only if the others are of the same run.
-    void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& files) const;
-    /// Takes a file of an earlier run away, if there is one. @throws StoreError if it cannot be removed
-    void remove(const std::filesystem::path& name) const;
+    /// Writes the files of a run: if one of them cannot be written, those of an earlier run all stay. The last one is
+    /// there only if the others are of the same run. @throws StoreError as write does
+    void write_together(const RunFiles& files) const;
 
 private:
+    [[nodiscard]] bool has_store() const;
+    void remove(const std::filesystem::path& name) const;
     void write_part(const std::filesystem::path& name, std::string_view bytes, bool kept) const;
     void put_in_place(const std::filesystem::path& name, bool kept) const;
 

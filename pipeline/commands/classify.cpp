@@ -458,10 +458,11 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
     if (!any) summary.exit_code = bad_usage;
     summary.add_failures(run.failures);
     folder.write_together(
-        {{"classification.csv", queries_csv(run)},
-         {"ranking.csv", ranking_csv(run)},
-         {"classification.html", reports::render_classification(classifier.page())},
-         {"classification.json", summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"}});
+        {{{"classification.csv", queries_csv(run)},
+          {"ranking.csv", ranking_csv(run)},
+          {"classification.html", reports::render_classification(classifier.page())},
+          {"classification.json", summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"}},
+         {}});
     return summary.print(options.common);
 }
 

@@ -118,18 +118,17 @@ private:
     }
 };
 
-/// Analyses a study or a table, writes the tables of results, and then what `write` makes of it.
-/// @param write  called with subject, model and summary
+/// Analyses a study or a table; what comes of it is written by `write`.
+/// @param write  called with subject, tables of results, model and summary
 template <class Write>
 int analyse_and(const StudyOptions& options, const Write& write) {
     const Subject subject(options);
     Summary summary = summary_of(subject.data, subject.folder);
     AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
     if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
-    add_findings(subject.data, options, subject.folder, analysed, summary);
+    add_findings(subject.data, options, analysed, summary);
     if (is_table(options)) add_provenance_of_table(options, subject.folder, analysed.model);
-    export_tables(subject.data, analysed, subject.folder);
-    write(subject, analysed.model, summary);
+    write(subject, tables_of(subject.data, analysed), analysed.model, summary);
     return summary.print(options.common);
 }
 
@@ -139,12 +138,14 @@ int analyze(const StudyOptions& options) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(options.common)));
     check_sources(options);
-    return analyse_and(options, [](const Subject& subject, const reports::ReportModel& model, Summary& summary) {
-        subject.folder.write("analysis.json", reports::to_json(model));
-        summarise(model, summary);
-        summary.lines.push_back("Tables: " + subject.folder.path().string());
-        summary.add_failures(subject.data.failures);
-    });
+    return analyse_and(options,
+                       [](const Subject& subject, RunFiles files, const reports::ReportModel& model, Summary& summary) {
+                           files.written.emplace_back("analysis.json", reports::to_json(model));
+                           subject.folder.write_together(files);
+                           summarise(model, summary);
+                           summary.lines.push_back("Tables: " + subject.folder.path().string());
+                           summary.add_failures(subject.data.failures);
+                       });
 }
 
 int report(const StudyOptions& options) {
@@ -152,10 +153,11 @@ int report(const StudyOptions& options) {
                                     static_cast<std::size_t>(thread_count(options.common)));
     check_sources(options);
     if (is_table(options)) {
-        return analyse_and(options, [](const Subject& subject, const reports::ReportModel& model, Summary& summary) {
-            write_report(model, subject.folder, summary);
-            summary.add_failures(subject.data.failures);
-        });
+        return analyse_and(
+            options, [](const Subject& subject, RunFiles tables, const reports::ReportModel& model, Summary& summary) {
+                write_report(std::move(tables), model, subject.folder, summary);
+                summary.add_failures(subject.data.failures);
+            });
     }
     const StudyFolder folder(options.study);
     expect_store(folder.store());

@@ -43,16 +43,22 @@ TEST(StudyFolder, WritesFilesOfOneRunTogetherOrNot) {
     const StudyFolder results(folder / "results");
     results.create();
     const auto bytes = [&](const char* name) { return tests::read_file(folder / "results" / name); };
-    results.write_together({{"a.csv", "1"}, {"b.html", "1"}, {"c.json", "1"}});
-    results.write_together({{"a.csv", "2"}, {"b.html", "2"}, {"c.json", "2"}});
+    const auto run = [&](const std::string& all, std::vector<std::filesystem::path> dropped = {}) {
+        results.write_together({{{"a.csv", all}, {"b.html", all}, {"c.json", all}}, std::move(dropped)});
+    };
+    run("1");
+    results.write("only_in_one.csv", "1");
+    run("2", {"only_in_one.csv"});
     EXPECT_EQ(bytes("a.csv") + bytes("b.html") + bytes("c.json"), "222");
+    EXPECT_FALSE(std::filesystem::exists(folder / "results/only_in_one.csv"));
+    results.write("only_in_one.csv", "2");
     std::filesystem::remove(folder / "results/b.html");
     std::filesystem::create_directory(folder / "results/b.html");
-    EXPECT_THROW(results.write_together({{"a.csv", "3"}, {"b.html", "3"}, {"c.json", "3"}}), StoreError);
+    EXPECT_THROW(run("3", {"only_in_one.csv"}), StoreError);
     std::filesystem::remove(folder / "results/b.html");
     std::filesystem::create_directory(folder / "results/c.json.part");
-    EXPECT_THROW(results.write_together({{"a.csv", "4"}, {"b.html", "4"}, {"c.json", "4"}}), StoreError);
-    EXPECT_EQ(bytes("a.csv") + bytes("c.json"), "22");
+    EXPECT_THROW(run("4", {"only_in_one.csv"}), StoreError);
+    EXPECT_EQ(bytes("a.csv") + bytes("c.json") + bytes("only_in_one.csv"), "222");
     for (const char* name : {"a.csv.part", "b.html", "b.html.part"}) {
         EXPECT_FALSE(std::filesystem::exists(folder / "results" / name)) << name;
     }

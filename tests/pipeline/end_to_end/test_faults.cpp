@@ -118,6 +118,29 @@ TEST_F(StoppedStudy, AFullDiskEndsWithAdviceAndNothingIsLost) {
     EXPECT_EQ(read_file(folder_ / "stopped/distances.csv"), read_file(folder_ / "undisturbed/distances.csv"));
 }
 
+TEST_F(StoppedStudy, AReportThatDoesNotFitLeavesThatOfTheEarlierRun) {
+    ASSERT_EQ(morphodesic(command("study")).code, 0);
+    const auto results = [&] {
+        std::map<std::string, std::string> bytes;
+        for (const auto& entry : fs::directory_iterator(folder_ / "study")) {
+            const std::string ending = entry.path().extension().string();
+            if (ending != ".sqlite" && ending != ".lock" && entry.is_regular_file()) {
+                bytes[entry.path().filename().string()] = read_file(entry.path());
+            }
+        }
+        return bytes;
+    };
+    const auto before = results();
+    ASSERT_GT(before.at("report.html").size(), 60u * 1024u);
+    ASSERT_LT(before.at("clusters.csv").size(), 60u * 1024u);
+    const std::string other = " report '" + (folder_ / "study").string() + "' --clusters 5 --paths 0";
+    const Outcome full = shell("ulimit -f 60; exec \"$MORPHODESIC\"" + other);
+    EXPECT_EQ(full.code, 3) << full.err;
+    EXPECT_EQ(results(), before);
+    EXPECT_EQ(shell("exec \"$MORPHODESIC\"" + other).code, 0);
+    EXPECT_NE(results().at("clusters.csv"), before.at("clusters.csv"));
+}
+
 TEST_F(StoppedStudy, TooLittleAddressSpaceIsSaidBeforeAnythingBegins) {
     if (sanitized) GTEST_SKIP() << "sanitizers reserve more address space than is allowed here";
     std::string line = "ulimit -v 500000; exec \"$MORPHODESIC\"";
