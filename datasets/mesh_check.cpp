@@ -163,6 +163,10 @@ CheckedMesh check_off(const fs::path& file, std::string_view content) {
         for (std::size_t c = 0; c < corners; ++c) {
             std::size_t index = 0;
             const std::string_view word = TextScan::word(line);
+            if (word.empty()) {
+                refuse(file, at_line(scan.line_number()) + "a face of " + std::to_string(corners) +
+                                 " corners names only " + std::to_string(c));
+            }
             if (!TextScan::number(word, index) || index >= std::min(points, largest_point_count)) {
                 refuse(file, at_line(scan.line_number()) + "a face names point \"" + std::string(word.substr(0, 40)) +
                                  "\" of " + std::to_string(points) + " (counted from 0)");
@@ -234,7 +238,14 @@ CheckedMesh check_stl(const fs::path& file, std::string_view content) {
             }
             for (int i = 0; i < 9; i += 3) result.points.push_back({c[i], c[i + 1], c[i + 2]});
         }
-        if (content.size() > 84 + 50 * n) result.notes.push_back("Bytes behind the last triangle were ignored.");
+        const std::string_view rest = content.substr(84 + 50 * n);
+        if (rest.size() % 50 == 0 && rest.find_first_not_of('\0') != std::string_view::npos) {
+            refuse(file, "the header promises " + std::to_string(n) + " triangles, the file holds " +
+                             std::to_string(n + rest.size() / 50));
+        }
+        if (!rest.empty()) {
+            result.notes.push_back(std::to_string(rest.size()) + " bytes behind the last triangle were ignored.");
+        }
     }
     check_face_count(file, result.points.size() / 3);
     result.face_sizes.assign(result.points.size() / 3, 3);

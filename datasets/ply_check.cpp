@@ -20,6 +20,9 @@ namespace fs = std::filesystem;
     throw ReadError(file, problem, "export or download the file again");
 }
 
+constexpr double plausible_corners =
+    1000.0;  // of a face: a longer list than the file has bytes is a lie, a shorter cut
+
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 struct Property {
@@ -241,7 +244,9 @@ CheckedMesh check_ply(const fs::path& file, std::string_view content) {
                 }
                 double length = 0.0;
                 if (!source.next(property.count_type, length)) broken();
-                if (!(length >= 0.0 && length <= static_cast<double>(source.bytes_left()))) {
+                const auto bytes_left = static_cast<double>(source.bytes_left());
+                if (length > bytes_left && length <= plausible_corners) broken();
+                if (!(length >= 0.0 && length <= bytes_left)) {
                     refuse(file, "element " + std::to_string(i) + " of \"" + element.name.substr(0, 40) +
                                      "\" promises a list of " +
                                      std::to_string(static_cast<long long>(std::clamp(length, -1e15, 1e15))) +

@@ -29,6 +29,7 @@ constexpr double most_correlated = 0.25;   // of bumps about half of whose varia
 constexpr double least_bump = 0.1;         // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
+constexpr double most_specks = 0.01;       // of the volume, together: more of them are what the object is made of
 constexpr double largest_ball = 0.25;      // of the length: a larger one would lie in the object rather than on it
 
 std::string number(double value, const char* format = "%.3g") {
@@ -255,12 +256,21 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     for (const double v : volume) total += v, largest = std::max(largest, v), filled += std::max(v, 0.0);
     if (!(total > 0.0)) refuse();
     std::size_t specks = 0, pinholes = 0, solids = 0, cavities = 0;
+    double speck_volume = 0.0, pinhole_volume = 0.0;
+    const auto is_small = [&](double v) { return std::abs(v) < options.speck_fraction * total; };
+    for (const double v : volume) {
+        if (is_small(v)) (v > 0 ? speck_volume : pinhole_volume) += std::abs(v);
+    }
+    const bool drops_specks = speck_volume <= most_specks * total,
+               drops_pinholes = pinhole_volume <= most_specks * total;
     std::vector<char> kept(part.count);
     for (int p = 0; p < part.count; ++p) {
-        kept[p] = std::abs(volume[p]) >= options.speck_fraction * total;
-        if (volume[p] > 0) ++(kept[p] ? solids : specks);
-        if (volume[p] <= 0) ++(kept[p] ? cavities : pinholes);
+        const bool is_solid = volume[p] > 0;
+        kept[p] = volume[p] != 0.0 && !(is_small(volume[p]) && (is_solid ? drops_specks : drops_pinholes));
+        if (is_solid) ++(kept[p] ? solids : specks);
+        if (!is_solid) ++(kept[p] ? cavities : pinholes);
     }
+    const double removed = (drops_specks ? speck_volume : 0.0) + (drops_pinholes ? pinhole_volume : 0.0);
     std::vector<std::array<int, 3>> triangles;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (kept[part.of_triangle[t]]) triangles.push_back(mesh.triangles[t]);
@@ -268,15 +278,18 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     mesh.triangles = std::move(triangles);
     clean(mesh);
     if (specks + pinholes > 0) {
-        notes.push_back("Removed " + count(specks, "speck") + " and " + count(pinholes, "bubble") + " below " +
-                        percent(options.speck_fraction) + " of the volume.");
+        const std::string bubbles = count(pinholes, "bubble");
+        notes.push_back("Removed " + (specks == 0 ? bubbles : count(specks, "speck")) +
+                        (specks > 0 && pinholes > 0 ? " and " + bubbles : "") + ", together " +
+                        number(100.0 * removed / total, "%.2g") + " % of the volume.");
     }
     if (solids > 1) {
         notes.push_back("The object has " + count(solids, "separate part") + "; the largest holds " +
                         percent(largest / filled) + " of the volume.");
     }
     if (cavities > 0)
-        notes.push_back("The object is hollow: " + std::to_string(cavities) + " inner cavities were kept.");
+        notes.push_back("The object is hollow: " + std::to_string(cavities) +
+                        (cavities == 1 ? " inner cavity was kept." : " inner cavities were kept."));
 
     Solid solid;
     solid.volume = signed_volume(mesh);
@@ -296,8 +309,10 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         throw ReadError(file, "no triangle has an area", "export the surface again, in a format that keeps its faces");
     }
     if (cleaned.degenerate_triangles + cleaned.repeated_triangles > 0) {
-        notes.push_back("Dropped " + count(cleaned.degenerate_triangles, "triangle") + " with two equal corners and " +
-                        count(cleaned.repeated_triangles, "repeated triangle") + ".");
+        const std::string repeated = count(cleaned.repeated_triangles, "repeated triangle");
+        const std::size_t n = cleaned.degenerate_triangles;
+        notes.push_back("Dropped " + (n == 0 ? repeated : count(n, "triangle") + " with two equal corners") +
+                        (n > 0 && cleaned.repeated_triangles > 0 ? " and " + repeated : "") + ".");
     }
     Patches patch = patches(mesh);
     const std::size_t turned = orient_patches(mesh, patch);
@@ -353,7 +368,10 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         }
         if (low < 0 || high > 1) {
             const TriangleTree surface(mesh);
-            notes.emplace_back("The surface passes through itself; its overlapping parts were united.");
+            notes.emplace_back(patch.count == 1
+                                   ? "The surface passes through itself; its overlapping parts were united."
+                                   : "The surface passes through itself, or parts of it lie within others and face the "
+                                     "same way; all of it was united.");
             return finished_solid(united(mesh, surface, lattice, winding), file, options, std::move(notes));
         }
         // Closed but thinner than a cell everywhere: the winding number found no node inside.

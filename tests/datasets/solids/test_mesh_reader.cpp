@@ -281,6 +281,8 @@ TEST(MeshReader, LiesAreNamed) {
                 HasSubstr("names point 8 of 8"));
     EXPECT_THAT(refusal(folder.write("d.ply", replaced(ply_file(box, "ascii"), "3 0 2 1", "99999 0 2 1"))),
                 HasSubstr("promises a list of 99999"));
+    const std::string whole = ply_file(box, "binary_little_endian");
+    EXPECT_THAT(refusal(folder.write("h.ply", whole.substr(0, whole.size() - 4))), HasSubstr("break off after 11"));
     EXPECT_THAT(refusal(folder.write("e.ply", replaced(ply_file(box, "ascii"), "0.25", "nan"))),
                 HasSubstr("not finite"));
     EXPECT_THAT(refusal(folder.write("g.ply", replaced(ply_file(box, "ascii"), "0.25", "1e30"))),
@@ -297,6 +299,8 @@ TEST(MeshReader, LiesAreNamed) {
     EXPECT_THAT(refusal(folder.write("b.off", replaced(off_text(box), "8 12", "8 13"))), HasSubstr("ends after 12"));
     EXPECT_THAT(refusal(folder.write("c.off", replaced(off_text(box), "3 0 2 1", "3 0 2 -1"))),
                 HasSubstr("\"-1\" of 8"));
+    EXPECT_THAT(refusal(folder.write("e.off", replaced(off_text(box), "3 0 2 1", "2000000000 0 2 1"))),
+                HasSubstr("a face of 2000000000 corners names only 3"));
     EXPECT_THAT(refusal(folder.write("d.off", replaced(off_text(box), "0.25", "inf"))), HasSubstr("not finite"));
 
     EXPECT_THAT(refusal(folder.write("a.obj", replaced(obj_text(box), "f 1 3 2", "f 1 3 9"))),
@@ -310,7 +314,12 @@ TEST(MeshReader, LiesAreNamed) {
     std::string stl = binary_stl(box);
     stl[80] = 13;
     EXPECT_THAT(refusal(folder.write("a.stl", stl)), HasSubstr("promises 13 triangles"));
-    stl = binary_stl(box);
+    stl[80] = 11;
+    EXPECT_THAT(refusal(folder.write("e.stl", stl)), HasSubstr("promises 11 triangles, the file holds 12"));
+    stl[80] = 12;  // padding is none
+    const MeshFile padded = read_mesh(folder.write("f.stl", stl + std::string(100, '\0')));
+    EXPECT_EQ(padded.mesh.triangles.size(), 12U);
+    EXPECT_THAT(padded.notes, testing::ElementsAre("100 bytes behind the last triangle were ignored."));
     std::fill_n(stl.begin() + 84 + 12, 4, '\xff');
     EXPECT_THAT(refusal(folder.write("b.stl", stl)), HasSubstr("triangle 1 is not finite"));
     EXPECT_THAT(refusal(folder.write("c.stl", replaced(ascii_stl(box), "endfacet\nfacet", "facet"))),
