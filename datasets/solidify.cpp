@@ -281,7 +281,8 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
         const std::string bubbles = count(pinholes, "bubble");
         notes.push_back("Removed " + (specks == 0 ? bubbles : count(specks, "speck")) +
                         (specks > 0 && pinholes > 0 ? " and " + bubbles : "") + ", together " +
-                        number(100.0 * removed / total, "%.2g") + " % of the volume.");
+                        (removed < 1e-4 * total ? "less than 0.01" : number(100.0 * removed / total, "%.2g")) +
+                        " % of the volume.");
     }
     if (solids > 1) {
         notes.push_back("The object has " + count(solids, "separate part") + "; the largest holds " +
