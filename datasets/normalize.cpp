@@ -12,9 +12,10 @@ namespace morphodesic::datasets {
 
 namespace {
 
+/// Two digits also of a small share, which is not to be read as none.
 std::string percent(double share) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.1f", 100.0 * share);
+    std::snprintf(text, sizeof text, share < 0.01 ? "%.2g" : "%.1f", 100.0 * share);
     return text;
 }
 
@@ -95,9 +96,9 @@ Placement<Dim> placement_of(const RawShape<Dim>& raw, const NormalizeOptions& op
         if (placement.scale > fitting) {
             placement.scale = fitting;
             if (notes != nullptr) {
-                notes->push_back("Long and thin: scaled to " +
-                                 percent(raw.volume * std::pow(fitting, Dim) / unit_volume<Dim>) + " % of the unit " +
-                                 (Dim == 2 ? "area" : "volume") + " so that it fits into the cube.");
+                notes->push_back(std::string("Too long to have the ") + (Dim == 2 ? "area" : "volume") +
+                                 " of the others in the cube: scaled to " +
+                                 percent(raw.volume * std::pow(fitting, Dim) / unit_volume<Dim>) + " % of it.");
             }
         }
     } else {

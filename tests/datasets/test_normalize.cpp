@@ -37,14 +37,18 @@ TEST(Normalize, CommonScaleFitsTheLargestAndKeepsRatios) {
     EXPECT_THROW(common_scale({}), std::invalid_argument);
 }
 
-TEST(Normalize, EachGivesUnitAreaUnlessThatDoesNotFit) {
+TEST(Normalize, EachGivesOneAreaUnlessThatDoesNotFit) {
     const Shape<2> disk = normalize(raw_disk(5, 5, 3), {"each", 0.0, 6});
     EXPECT_NEAR(disk.volume, unit_volume<2>, 1e-9);
     EXPECT_THAT(disk.notes, IsEmpty());
     const Shape<2> bar = normalize(raw_bar(100, 4), {"each", 0.0, 6});
     EXPECT_LT(bar.volume, unit_volume<2>);
     EXPECT_NEAR(bar.scale * 52.0, largest_extent_radius, 1e-3);
-    EXPECT_THAT(bar.notes, Contains(HasSubstr("Long and thin")));
+    // (400 + 4 pi) (0.36 / 52)^2 = 0.0198 of 0.1
+    EXPECT_THAT(bar.notes, Contains("Too long to have the area of the others in the cube: scaled to 19.8 % of it."));
+    std::vector<std::string> notes;
+    static_cast<void>(placement_of(raw_bar(100, 0.004), {"each", 0.0, 6}, &notes));  // 0.4 (0.36 / 50)^2 of 0.1
+    EXPECT_THAT(notes, Contains(HasSubstr("scaled to 0.021 % of it.")));
 }
 
 TEST(Normalize, NoneMapsTheFrameToTheCube) {
