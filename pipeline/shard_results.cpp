@@ -26,6 +26,12 @@ constexpr int results_version = 1;
 /// Longer than any line that a shard writes (a few kB): what does not end within it is damage, and is not loaded.
 constexpr std::size_t longest_line = std::size_t{16} << 20;
 
+constexpr const char* of_other_version =
+    "was written by another version of morphodesic, whose numbers are not to be mixed with those of this one; compute "
+    "the shard again with the same program as the study";
+constexpr const char* damaged_header =
+    "its first line is damaged, so nothing says what its rows belong to; move the file away and run the shard again";
+
 /// The bytes behind the last line end of a file: those of a line that was not finished.
 std::size_t unfinished_bytes(std::ifstream& in, std::size_t size) {
     std::string tail(std::min(size, longest_line), '\0');
@@ -66,7 +72,11 @@ bool is_header(const json& line) {
     return line.is_object() && field<std::string>(line, "format", "") == "morphodesic shard";
 }
 
-/// Whether the first line is what was written; older programs wrote it without a checksum.
+bool is_of_other_version(const json& head) {
+    return field(head, "version", 0) != results_version || field(head, "solver_revision", 0) != solver_revision;
+}
+
+/// Whether a header is what was written; older programs wrote it without a checksum.
 bool is_sound(json head) {
     if (!head.contains("checksum")) return true;
     const json checksum = head["checksum"];
@@ -92,49 +102,47 @@ ShardResults read_shard_results(const fs::path& file) {
         return results;
     }
     std::string buffer(longest_line, '\0');
-    std::string_view line;
-    const auto next_line = [&]() -> bool {
-        if (!in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) return false;
-        line = {buffer.data(), static_cast<std::size_t>(in.gcount()) - (in.eof() ? 0 : 1)};
-        return true;
-    };
-    next_line();
-    const json head = json::parse(line, nullptr, false);
-    if (!is_header(head)) {
-        results.problem = file.string() + ": is not the result file of a shard";
-        return results;
-    }
-    results.settings_hash = field<std::string>(head, "settings", "");
-    results.solver = field(head, "solver_revision", 0);
-    if (field(head, "version", 0) != results_version || results.solver != solver_revision) {
-        results.problem = file.string() +
-                          ": was written by another version of morphodesic, whose numbers are not to be mixed with "
-                          "those of this one; compute the shard again with the same program as the study";
-        return results;
-    }
-    if (!is_sound(head)) {
-        results.problem =
-            file.string() +
-            ": its first line is damaged, so nothing says what its rows belong to; move the file away and "
-            "run the shard again";
-        return results;
-    }
-    while (next_line()) {
-        if (in.eof()) return results;  // without its line end: was being written when the shard was stopped
+    bool first = true, any_header = false;
+    std::string problem_of_first;
+    while (in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) {
+        if (in.eof() && !first) break;  // without its line end: was being written when the shard was stopped
+        const std::string line(buffer.data(), static_cast<std::size_t>(in.gcount()) - (in.eof() ? 0 : 1));
         const bool text = line.find('\0') == line.npos;  // the JSON reader would stop at the zero and be content
-        if (auto row = geodesic_from_line(std::string(line)); text && row) {
-            if (row->settings_hash == results.settings_hash) {
-                results.rows.push_back(std::move(*row));
+        if (auto row = first || !text ? std::nullopt : geodesic_from_line(line)) {
+            // It says itself, under its checksum, to which settings it belongs.
+            if (results.ends_in_other_version) {
+                ++results.of_other_version;
             } else {
-                ++results.of_other_settings;
+                results.rows[row->settings_hash].push_back(std::move(*row));
             }
             continue;
         }
-        // Files that were put together have a header each; every row says itself to which settings it belongs.
-        const json again = json::parse(line, nullptr, false);
-        if (!text || !is_header(again) || !is_sound(again)) ++results.damaged;
+        const json head = text ? json::parse(line, nullptr, false) : json();
+        if (first && !is_header(head)) {
+            results.problem = file.string() + ": is not the result file of a shard";
+            return results;
+        }
+        // What is damaged may have been a header; the rows behind it speak for themselves.
+        results.ends_in_other_version = is_header(head) && is_of_other_version(head);
+        if (is_header(head) && !results.ends_in_other_version && is_sound(head)) {
+            const auto settings = field<std::string>(head, "settings", "");
+            results.rows.try_emplace(settings);
+            if (first) results.settings_hash = settings;
+            any_header = true;
+        } else if (results.ends_in_other_version) {
+            if (first) problem_of_first = of_other_version;
+        } else {
+            ++results.damaged;
+            if (first) problem_of_first = damaged_header;
+        }
+        first = false;
     }
     if (!in.eof()) ++results.damaged;  // a line without an end; what may come behind it is not looked for
+    if (!any_header) {
+        results = {};
+        results.problem =
+            file.string() + ": " + (problem_of_first.empty() ? "is not the result file of a shard" : problem_of_first);
+    }
     return results;
 }
 
@@ -191,7 +199,8 @@ void ShardWriter::take_up(const std::string& settings_hash) {
         throw StoreError(file_, "cannot be continued: its first line has no end; move it away");
     }
     if (unfinished > 0) cut_to(size - unfinished);
-    before_ = std::move(results.rows);
+    if (results.ends_in_other_version) write(head);  // what comes now is not of that header
+    before_ = std::move(results.rows[settings_hash]);
 }
 
 void ShardWriter::cut_to(std::size_t size) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -10,14 +11,14 @@
 namespace morphodesic::pipeline {
 
 /// What a result file of a shard holds. One JSON object per line: first the header, then one geodesic each with a
-/// checksum over its row.
+/// checksum over its row. A file that was put together from several has a header before the rows of each.
 struct ShardResults {
-    std::string settings_hash;
-    int solver = 0;                    ///< solver revision
-    std::vector<StoredGeodesic> rows;  ///< sound ones
-    long damaged = 0;                  ///< lines that are not what was written
-    long of_other_settings = 0;        ///< sound rows that do not belong to the first header
-    std::string problem;               ///< why nothing of the file may be used; empty if it may
+    std::string settings_hash;  ///< of the first line; empty if that is the header of another version or damaged
+    std::map<std::string, std::vector<StoredGeodesic>> rows;  ///< sound ones by settings; empty lists: only a header
+    long damaged = 0;                                         ///< lines that are not what was written
+    long of_other_version = 0;                                ///< rows behind a header of another version
+    bool ends_in_other_version = false;                       ///< the last header is of another version
+    std::string problem;                                      ///< why nothing of the file may be used; empty if it may
 };
 [[nodiscard]] ShardResults read_shard_results(const std::filesystem::path& file);
 

@@ -146,9 +146,9 @@ std::pair<int, int> shard_number(const std::string& text) {
     throw std::invalid_argument("the shard is \"" + text + "\"; it must be I/N with 1 <= I <= N, such as 3/16");
 }
 
-/// "1 row was", "2 rows were"
-std::string counted(long count, const std::string& noun) {
-    return std::to_string(count) + " " + noun + (count == 1 ? " was" : "s were");
+/// "1 row was", "2 rows were", "2 rows of others were"
+std::string counted(long count, const std::string& noun, const std::string& of = "") {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s") + of + (count == 1 ? " was" : " were");
 }
 
 /// Of two results for one pair the one that stays, whatever comes first: one with a distance, then the shorter path.
@@ -167,6 +167,42 @@ bool plan_is_done(const fs::path& file, const ResultStore& store) {
         const auto keys = plan.missing_of(tile);
         return std::all_of(keys.begin(), keys.end(), [&](const GeodesicKey& key) { return stored.contains(key); });
     });
+}
+
+/// What became of the rows of a file.
+struct MergedRows {
+    long added = 0, known = 0;
+    long strangers = 0;  ///< of shapes that the study does not have
+    long differing = 0;  ///< known, with another path length
+};
+
+/// Takes rows of one setting into the store.
+/// @param digests  of the shapes of the study
+void merge_rows(const std::vector<StoredGeodesic>& rows, const std::string& settings,
+                const std::set<std::string>& digests, ResultStore& store, MergedRows& merged) {
+    std::map<GeodesicKey, StoredGeodesic> there;
+    for (StoredGeodesic& row : store.geodesics(settings)) {
+        GeodesicKey key(row.a, row.b);
+        there.emplace(std::move(key), std::move(row));
+    }
+    for (const StoredGeodesic& row : rows) {
+        if (!digests.contains(row.a) || !digests.contains(row.b)) {
+            ++merged.strangers;
+            continue;
+        }
+        const auto found = there.find({row.a, row.b});
+        if (found == there.end()) {
+            ++merged.added;
+        } else {
+            ++merged.known;
+            const bool same = found->second.path_length == row.path_length ||
+                              (std::isnan(found->second.path_length) && std::isnan(row.path_length));
+            if (!same) ++merged.differing;
+            if (same || stays(found->second, row)) continue;
+        }
+        store.put_geodesic(row);
+        there.insert_or_assign(GeodesicKey(row.a, row.b), row);
+    }
 }
 
 template <int Dim>
@@ -353,54 +389,49 @@ int merge(const ShardOptions& options) {
             problems.push_back({file.string(), "", results.problem});
             continue;
         }
-        if (!store.settings(results.settings_hash)) {
+        MergedRows merged;
+        long of_others = 0;
+        bool any_known = false;
+        for (const auto& [settings, rows] : results.rows) {
+            if (store.settings(settings)) {
+                any_known = true;
+                merge_rows(rows, settings, digests, store, merged);
+            } else {
+                of_others += static_cast<long>(rows.size());
+            }
+        }
+        if (!any_known) {
             problems.push_back({file.string(), "",
                                 file.string() + ": was computed for settings that this study never had; merge it into "
                                                 "the study it was planned for"});
             continue;
         }
+        added += merged.added;
+        known += merged.known;
         if (results.damaged > 0) {
             left_out.emplace_back(file.string() + ": " + counted(results.damaged, "damaged line") + " left out",
                                   "run the shard again, it computes only what is missing");
         }
-        if (results.of_other_settings > 0) {
-            left_out.emplace_back(file.string() + ": " + counted(results.of_other_settings, "row") +
-                                      " left out, of other settings than its first line says",
-                                  "merge the results of each plan from files of their own");
+        if (of_others > 0) {
+            left_out.emplace_back(
+                file.string() + ": " + counted(of_others, "result", " of other settings") + " left out",
+                "merge them into the study they were computed for");
         }
-        long strangers = 0, differing = 0;
-        std::map<GeodesicKey, StoredGeodesic> there;
-        for (StoredGeodesic& row : store.geodesics(results.settings_hash)) {
-            GeodesicKey key(row.a, row.b);
-            there.emplace(std::move(key), std::move(row));
+        if (results.of_other_version > 0) {
+            left_out.emplace_back(
+                file.string() + ": " +
+                    counted(results.of_other_version, "result", " of another version of the program") + " left out",
+                "compute them again with the same program as the study");
         }
-        for (const StoredGeodesic& row : results.rows) {
-            if (!digests.contains(row.a) || !digests.contains(row.b)) {
-                ++strangers;
-                continue;
-            }
-            const auto found = there.find({row.a, row.b});
-            if (found == there.end()) {
-                ++added;
-            } else {
-                ++known;
-                const bool same = found->second.path_length == row.path_length ||
-                                  (std::isnan(found->second.path_length) && std::isnan(row.path_length));
-                if (!same) ++differing;
-                if (same || stays(found->second, row)) continue;
-            }
-            store.put_geodesic(row);
-            there.insert_or_assign(GeodesicKey(row.a, row.b), row);
-        }
-        if (strangers > 0) {
+        if (merged.strangers > 0) {
             problems.push_back({file.string(), "",
-                                file.string() + ": " + counted(strangers, "pair") +
+                                file.string() + ": " + counted(merged.strangers, "pair") +
                                     " left out, of shapes that the study does not have"});
         }
-        if (differing > 0) {
+        if (merged.differing > 0) {
             problems.push_back({file.string(), "",
-                                file.string() + ": " + std::to_string(differing) +
-                                    (differing == 1 ? " pair has" : " pairs have") +
+                                file.string() + ": " + std::to_string(merged.differing) +
+                                    (merged.differing == 1 ? " pair has" : " pairs have") +
                                     " another path length than the store; of each the shorter path stays. "
                                     "Were the shards computed by different builds? `morphodesic verify` tells more"});
         }

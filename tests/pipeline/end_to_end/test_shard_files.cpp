@@ -130,26 +130,56 @@ TEST_F(ShardFiles, PutTogetherInOneAreNoDamage) {
     bytes[bytes.find("\"settings\":\"") + 14] ^= 1;
     write_file(all, read_file(first) + bytes);
     EXPECT_THAT(morphodesic({"merge", study(), all.string()}).out, HasSubstr("1 damaged line was left out"));
+}
 
-    // Rows of other settings are not damaged, but of another plan.
-    const std::string disks = (folder / "disks").string(), other = (folder / "other").string();
-    ASSERT_EQ(morphodesic({"ingest", disks, "--out", other, "--level", "4", "--steps", "1", "--quiet"}).code, 0);
+TEST_F(ShardFiles, OfTwoStudiesInOneFileEachTakesItsOwnInAnyOrder) {
+    const std::string other = (folder / "other").string(), all = (folder / "all.jsonl").string();
+    ASSERT_EQ(
+        morphodesic({"ingest", (folder / "disks").string(), "--out", other, "--level", "4", "--steps", "1", "--quiet"})
+            .code,
+        0);
     ASSERT_EQ(morphodesic({"plan", other, "--shards", "1", "--quiet"}).code, 0);
-    const fs::path third = folder / "3.jsonl";
-    ASSERT_EQ(morphodesic({"shard", other, "1/1", "--out", third.string(), "--quiet"}).code, 0);
-    write_file(all, read_file(first) + read_file(third));
-    const Outcome there = morphodesic({"merge", study(), all.string()});
-    EXPECT_EQ(there.code, 0) << there.out;
-    EXPECT_THAT(there.out, HasSubstr("6 rows were left out, of other settings than its first line says; all pairs"));
-    const Outcome missing = morphodesic({"merge", other, all.string()});  // knows the second settings only
-    EXPECT_EQ(missing.code, 1);
-    EXPECT_EQ(stored_rows(other), 0);
-    write_file(all, read_file(third).substr(0, read_file(third).find('\n') + 1) + read_file(first));
-    const Outcome none = morphodesic({"merge", other, all.string()});
+    ASSERT_EQ(morphodesic({"plan", study(), "--shards", "1", "--quiet"}).code, 0);
+    ASSERT_EQ(shard(folder / "mine.jsonl", "1/1").code, 0);
+    ASSERT_EQ(morphodesic({"shard", other, "1/1", "--out", (folder / "theirs.jsonl").string(), "--quiet"}).code, 0);
+    const std::string mine = read_file(folder / "mine.jsonl"), theirs = read_file(folder / "theirs.jsonl"),
+                      head = theirs.substr(0, theirs.find('\n') + 1);
+    std::string damaged = theirs, newer = theirs;
+    damaged[damaged.find("numbers") + 14] ^= 1;
+    const std::string revision = "\"solver_revision\":";
+    newer.insert(newer.find(revision) + revision.size(), "9");
+    const std::string sentence = "6 results of other settings were left out; all pairs are there all the same";
+    for (const auto& [bytes, said] : std::vector<std::pair<std::string, std::string>>{
+             {mine + theirs, sentence},
+             {theirs + mine, sentence},
+             {head + mine, "6 pairs were"},
+             {damaged + mine, "1 damaged line was left out"},
+             {damaged + mine, "5 results of other settings were left out"},
+             {newer + mine, "6 results of another version of the program were left out"},
+             {mine + newer, "6 results of another version of the program were left out"}}) {
+        fs::remove_all(folder / "copy");
+        fs::copy(folder / "study", folder / "copy", fs::copy_options::recursive);
+        write_file(all, bytes);
+        const Outcome merged = morphodesic({"merge", (folder / "copy").string(), all});
+        EXPECT_EQ(merged.code, 0) << merged.out;
+        EXPECT_THAT(merged.out, HasSubstr(said));
+        EXPECT_EQ(stored_rows(folder / "copy"), 6) << said;
+        if (said == sentence) {
+            EXPECT_THAT(merged.out, Not(HasSubstr("damaged")));
+        }
+    }
+    // Nothing of the study in it but a header.
+    write_file(all, head + mine);
+    const Outcome none = morphodesic({"merge", other, all});
     EXPECT_EQ(none.code, 1);
-    EXPECT_THAT(none.out, HasSubstr("of other settings"));
-    EXPECT_THAT(none.out, HasSubstr("files of their own"));
+    EXPECT_EQ(stored_rows(other), 0);
+    EXPECT_THAT(none.out, HasSubstr("6 results of other settings were left out; merge them into the study"));
     EXPECT_THAT(none.out, Not(HasSubstr("damaged")));
+    // A shard that goes on behind the header of another version puts its own before what it computes.
+    write_file(folder / "mine.jsonl", mine.substr(0, mine.find('\n') + 1) + newer);
+    EXPECT_EQ(shard(folder / "mine.jsonl", "1/1").code, 0);
+    EXPECT_EQ(morphodesic({"merge", study(), (folder / "mine.jsonl").string()}).code, 0);
+    EXPECT_EQ(stored_rows(study()), 6);
 }
 
 TEST_F(ShardFiles, MakeflowsLogGoesWithThePlanThatItIsOf) {
