@@ -1,6 +1,8 @@
 #include "pipeline/exports.h"
 
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <sstream>
 
 #include "analysis/csv.h"
@@ -106,6 +108,31 @@ std::string accuracy_csv(const reports::ReportModel& model) {
     return csv.text();
 }
 
+/// "100.0 % of the shapes have a nearest neighbour of their own class"; where that is not the share of all shapes, of
+/// which. Nothing right can be found for the only member of a class, and nothing is known of a shape without one.
+std::string nearest_neighbour_sentence(const reports::ReportModel& model) {
+    std::map<std::string, long> members;
+    for (const reports::ReportShape& shape : model.shapes) ++members[shape.label];
+    const long unlabelled = members.contains("") ? members.at("") : 0;
+    members.erase("");
+    long alone = 0, counted = 0;
+    for (const auto& [label, count] : members) (count == 1 ? alone : counted) += count;
+    std::string shapes = "the shapes", others;
+    const auto leave_out = [&](long count, const char* one, const char* many) {
+        if (count > 0) others += (others.empty() ? " (" : ", ") + std::to_string(count) + (count == 1 ? one : many);
+    };
+    leave_out(alone, " is alone", " are alone");
+    leave_out(unlabelled, " has no class", " have no class");
+    if (!others.empty()) {
+        shapes = "the " + std::to_string(counted) + " shapes " +
+                 (alone > 0 ? "that are not alone in their class" : "with a class");
+        others += ")";
+    }
+    char share[40];
+    std::snprintf(share, sizeof share, "%.1f %% of ", 100 * model.classes.front().nearest_neighbour);
+    return share + shapes + " have a nearest neighbour of their own class" + others;
+}
+
 }  // namespace
 
 RunFiles tables_of(const StudyData& data, const AnalysedStudy& analysed) {
@@ -158,12 +185,8 @@ void summarise(const reports::ReportModel& model, Summary& summary) {
         summary.data["clusters"] = model.clusterings.front().medoids.size();
     }
     if (model.classes.empty() || !std::isfinite(model.classes.front().nearest_neighbour)) return;
-    const double accuracy = model.classes.front().nearest_neighbour;
-    summary.data["nearest_neighbour_accuracy"] = accuracy;
-    char text[120];
-    std::snprintf(text, sizeof text, "%.1f %% of the shapes have a nearest neighbour of their own class",
-                  100 * accuracy);
-    summary.lines.emplace_back(text);
+    summary.data["nearest_neighbour_accuracy"] = model.classes.front().nearest_neighbour;
+    summary.lines.push_back(nearest_neighbour_sentence(model));
 }
 
 }  // namespace morphodesic::pipeline

@@ -24,8 +24,12 @@ function classSection() {
         ['PERMANOVA F', c => num(c.permanova_f)], ['PERMANOVA R²', c => num(c.permanova_r2)],
         ['PERMANOVA p', c => known(c.permanova_p) ? `${num(c.permanova_p)} (${c.permutations} permutations)` : '–']
     ].filter(([, f]) => data.classes.some(c => f(c) !== '–'));
+    const {counted, left} = measuredShapes();
     return section(
         'classes', 'Classes',
+        left ? el('p', {class: 'hint'},
+                  `Neighbours, bull's-eye, precision, recall and confusion are of ${plural(counted, 'shape')}: ${left}.`) :
+               null,
         table(
             'How well the distances know the classes', ['measure', ...data.classes.map(c => '#' + c.name)],
             rows.map(([t, f]) => [t, ...data.classes.map(f)])),

@@ -34,6 +34,23 @@ function bringPair() {
     if (matchMedia('(max-width: 1099px)').matches) document.getElementById('pair').scrollIntoView({block: 'start'});
 }
 
+/// How many shapes the measures of the classes are about, and which they leave out, in words: nothing right can be found
+/// for the only member of a class.
+function measuredShapes() {
+    const members = new Map();
+    data.shapes.forEach(s => members.set(s.label, (members.get(s.label) || 0) + 1));
+    const unlabelled = members.get('') || 0;
+    members.delete('');
+    const alone = [...members.values()].filter(n => n === 1).length;
+    return {
+        counted: data.shapes.length - unlabelled - alone,
+        left: [
+            alone ? plural(alone, 'is', 'are') + ' alone in ' + (alone === 1 ? 'its class' : 'their classes') : '',
+            unlabelled ? plural(unlabelled, 'has', 'have') + ' no class' : ''
+        ].filter(t => t).join(', ')
+    };
+}
+
 function summarySection() {
     const tiles = [
         [data.shapes.length, data.dimension === 3 ? 'surfaces' : 'shapes'],
@@ -42,7 +59,13 @@ function summarySection() {
         [data.given_matrix ? '–' : data.failures.length, data.failures.length === 1 ? 'failure' : 'failures']
     ].filter(t => t[0] !== '–');
     const best = data.classes.find(c => known(c.nearest_neighbour));
-    if (best) tiles.push([percent(best.nearest_neighbour), 'nearest neighbour of the same class']);
+    if (best) {
+        const {counted, left} = measuredShapes();
+        tiles.push([
+            percent(best.nearest_neighbour),
+            'nearest neighbour of the same class' + (left ? `, of ${plural(counted, 'shape')}; ${left}` : '')
+        ]);
+    }
     const facts = [
         [data.given_matrix ? 'table' : 'collection', data.collection], ['preset', data.preset], ['created', data.created],
         ['unit of the distances', data.distance_unit]

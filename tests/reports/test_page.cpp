@@ -118,6 +118,21 @@ TEST_F(Page, DrawsEveryChartWithoutErrorsOrRequests) {
     expect_quiet();
 }
 
+TEST_F(Page, SharesOfRightNeighboursSayWhichShapesTheyLeaveOut) {
+    auto model = tests::synthetic_model({.shapes = 9, .classes = 3, .paths = 0});
+    show(model);
+    EXPECT_THAT(text("#summary .tiles"), testing::HasSubstr("nearest neighbour of the same class"));
+    EXPECT_THAT(text("#summary .tiles"), testing::Not(testing::HasSubstr("alone")));
+    EXPECT_THAT(text("#classes"), testing::Not(testing::HasSubstr("alone")));
+    model.shapes[0].label = "newt", model.shapes[1].label = "", model.shapes[2].label = "toad";
+    show(model);
+    EXPECT_THAT(text("#summary .tiles"),
+                testing::HasSubstr(
+                    "nearest neighbour of the same class, of 6 shapes; 2 are alone in their classes, 1 has no class"));
+    EXPECT_THAT(text("#classes"), testing::HasSubstr("recall and confusion are of 6 shapes: 2 are alone in"));
+    expect_quiet();
+}
+
 TEST_F(Page, ClickOnTwoShapesShowsTheirPath) {
     auto model = tests::synthetic_model({.shapes = 9, .classes = 3, .paths = 1});
     model.paths[0].a = 7, model.paths[0].b = 2;

@@ -62,6 +62,27 @@ TEST(AnalyzeTable, AnyDistanceTableBecomesTablesOfResults) {
     }
 }
 
+TEST(AnalyzeTable, TheShareOfRightNeighboursSaysOfWhichShapesItIs) {
+    const TemporaryFolder folder;
+    write_file(folder / "d.csv", table);
+    const auto sentence = [&](const std::string& labels) {
+        write_file(folder / "labels.csv", "file,label\n" + labels);
+        const Outcome done =
+            morphodesic({"analyze", (folder / "d.csv").string(), "--labels", (folder / "labels.csv").string()});
+        const auto begin = done.out.find("100.0 % of");
+        return begin == std::string::npos ? done.out : done.out.substr(begin, done.out.find('\n', begin) - begin);
+    };
+    const std::string end = " have a nearest neighbour of their own class";
+    EXPECT_EQ(sentence("a1,a\na2,a\na3,a\nb1,b\nb2,b\nb3,b\n"), "100.0 % of the shapes" + end);
+    EXPECT_EQ(sentence("a1,a\na2,a\na3,c\nb1,b\nb2,d\nb3,e\n"),
+              "100.0 % of the 2 shapes that are not alone in their class" + end + " (4 are alone)");
+    EXPECT_EQ(sentence("a1,a\na2,a\nb1,b\nb2,b\nb3,c\n"),
+              "100.0 % of the 4 shapes that are not alone in their class" + end + " (1 is alone, 1 has no class)");
+    EXPECT_EQ(sentence("a1,a\na2,a\nb2,b\nb3,b\n"),
+              "100.0 % of the 4 shapes with a class" + end + " (2 have no class)");
+    EXPECT_EQ(accuracy(folder / "d.analysis/accuracy.csv", "distances,1-NN"), 1.0);
+}
+
 TEST(AnalyzeTable, ShapesWithoutDistancesAreSaid) {
     const TemporaryFolder folder;
     write_file(folder / "na.csv", ",a,b,c\na,0,NA,2\nb,NA,0,NaN\nc,2,NaN,0\n");
