@@ -465,7 +465,8 @@ std::string quoted(const std::string& word) {
 int parse_and_run(std::vector<std::string> arguments) {
     std::string repeat = "morphodesic";
     for (const std::string& word : arguments) repeat += " " + quoted(word);
-    if (!arguments.empty()) arguments = with_config(std::move(arguments));
+    std::vector<ConfigOption> from_files;
+    if (!arguments.empty()) arguments = with_config(std::move(arguments), from_files);
     const std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
 
     const auto parse = [&](CommandLine& line) {
@@ -476,6 +477,12 @@ int parse_and_run(std::vector<std::string> arguments) {
     if (const std::string problem = unknown_command(first.app, arguments); !problem.empty()) {
         std::cerr << "morphodesic: " << problem << "\n";
         return bad_usage;
+    }
+    if (!from_files.empty()) {
+        CommandLine tried(settings_of_preset("standard"));
+        const std::vector<std::string> problems = wrong_options(tried.app, arguments, from_files);
+        for (const std::string& problem : problems) std::cerr << "morphodesic: " << problem << "\n";
+        if (!problems.empty()) return bad_usage;
     }
     try {
         parse(first);

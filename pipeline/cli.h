@@ -9,12 +9,21 @@ namespace morphodesic::pipeline {
 /// exit codes.
 int run_program(const std::vector<std::string>& arguments);
 
-/// The options in a TOML file as command line tokens, "--name=value" each.
-/// @throws std::invalid_argument naming file and line if it cannot be read or holds something that is not an option
-[[nodiscard]] std::vector<std::string> tokens_of_config(const std::string& file);
+/// An option of a configuration file, and where it stands.
+struct ConfigOption {
+    std::string file, name, value;
+    unsigned line = 0;
+    [[nodiscard]] std::string token() const { return "--" + name + "=" + value; }
+};
 
-/// The arguments with the options of the file that --config names, if any, behind the name of the subcommand, so that
+/// The options in a TOML file, by their lines.
+/// @throws std::invalid_argument naming file and line if it cannot be read or holds something that is not an option
+[[nodiscard]] std::vector<ConfigOption> options_of_config(const std::string& file);
+
+/// The arguments with the options of the files that --config names, if any, behind the name of the subcommand, so that
 /// those on the command line come later and win.
-[[nodiscard]] std::vector<std::string> with_config(std::vector<std::string> arguments);
+/// @param options  receives those of the files
+[[nodiscard]] std::vector<std::string> with_config(std::vector<std::string> arguments,
+                                                   std::vector<ConfigOption>& options);
 
 }  // namespace morphodesic::pipeline

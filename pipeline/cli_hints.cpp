@@ -20,6 +20,73 @@ std::string unknown_command(const CLI::App& app, const std::vector<std::string>&
     return "there is no command \"" + behind + words[first] + "\"; there are: " + known;
 }
 
+namespace {
+
+/// The command that the words name, for `datasets` its kind; null if there is none.
+CLI::App* named_command(CLI::App& app, const std::vector<std::string>& words) {
+    CLI::App* command = &app;
+    for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+        if (words[i] == "--config") ++i;  // its value
+        if (i >= words.size() || words[i].rfind('-', 0) == 0) continue;
+        const auto found = command->get_subcommands([&](CLI::App* sub) { return sub->get_name() == words[i]; });
+        if (found.empty()) return nullptr;
+        command = found.front();
+        if (command->get_require_subcommand_min() == 0) return command;
+    }
+    return nullptr;
+}
+
+/// What an option takes, by the type that CLI11 gives it; empty if it may be any text.
+std::string kind_of(const CLI::Option& option) {
+    const std::string type = option.get_type_name();
+    if (option.get_items_expected_max() == 0) return "true or false";
+    if (type.rfind("INT", 0) == 0 || type.rfind("UINT", 0) == 0) return "a whole number";
+    return type.rfind("FLOAT", 0) == 0 ? "a number" : "";
+}
+
+/// What the option says to a value; empty if it takes it.
+std::string refusal(CLI::Option& option, const ConfigOption& given) {
+    try {
+        const bool flag = option.get_items_expected_max() == 0;
+        option.add_result(flag ? option.get_flag_value("--" + given.name, given.value) : given.value);
+        option.run_callback();
+        return "";
+    } catch (const CLI::ConversionError& error) {
+        const std::string kind = kind_of(option);
+        return kind.empty() ? error.what() : "it must be " + kind;
+    } catch (const CLI::ParseError& error) {
+        const std::string said = error.what(), name = "--" + given.name + ": ";
+        return said.rfind(name, 0) == 0 ? said.substr(name.size()) : said;
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> wrong_options(CLI::App& app, const std::vector<std::string>& arguments,
+                                       const std::vector<ConfigOption>& options) {
+    std::vector<std::string> problems;
+    CLI::App* command = named_command(app, arguments);
+    if (command == nullptr) return problems;
+    std::string call = command->get_name();
+    for (const CLI::App* at = command->get_parent(); at->get_parent() != nullptr; at = at->get_parent()) {
+        call = at->get_name() + " " + call;
+    }
+    for (const ConfigOption& given : options) {
+        const std::string at = given.file + ", line " + std::to_string(given.line) + ": ",
+                          help = "; see morphodesic " + call + " --help";
+        CLI::Option* option = command->get_option_no_throw("--" + given.name);
+        if (option == nullptr) {
+            problems.push_back(at + "there is no option \"" + given.name + "\"" + help);
+            continue;
+        }
+        const std::string refused = refusal(*option, given);
+        if (!refused.empty()) {
+            problems.push_back(at + "\"" + given.name + "\" cannot be " + given.value + ": " + refused + help);
+        }
+    }
+    return problems;
+}
+
 std::string dash_hint(const std::vector<std::string>& words) {
     std::error_code error;
     for (const std::string& word : words) {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/cli.h"
+
 namespace CLI {
 class App;
 }
@@ -13,6 +15,12 @@ namespace morphodesic::pipeline {
 /// @param first  number of the word that names the command of `app`
 [[nodiscard]] std::string unknown_command(const CLI::App& app, const std::vector<std::string>& words,
                                           std::size_t first = 0);
+
+/// What is wrong with options of configuration files, file and line in front: names that the command does not have and
+/// values that are not what they take. Empty also where the arguments name no command.
+/// @param app  parses them into variables that nobody uses
+[[nodiscard]] std::vector<std::string> wrong_options(CLI::App& app, const std::vector<std::string>& arguments,
+                                                     const std::vector<ConfigOption>& options);
 
 /// What to write for a file whose name begins as options do, if there is one among the words; else empty.
 [[nodiscard]] std::string dash_hint(const std::vector<std::string>& words);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -34,7 +35,7 @@ std::ptrdiff_t options_begin(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-std::vector<std::string> tokens_of_config(const std::string& file) {
+std::vector<ConfigOption> options_of_config(const std::string& file) {
     const auto fail = [&](const toml::source_position& at, const std::string& problem) {
         throw std::invalid_argument(file + ", line " + std::to_string(at.line) + ": " + problem);
     };
@@ -55,7 +56,7 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
             fail({line, 1}, "there is a byte that no text has; is this a TOML file?");
         }
     }
-    std::vector<std::string> tokens;
+    std::vector<ConfigOption> options;
     try {
         const toml::table table = toml::parse(text, file);
         for (const auto& [key, node] : table) {
@@ -70,24 +71,28 @@ std::vector<std::string> tokens_of_config(const std::string& file) {
                          "\" must be a text, a number, true or false; options stand at the top, as "
                          "in: level = 6");
             }
-            tokens.push_back("--" + name + "=" + text_of(node));
+            options.push_back({file, name, text_of(node), node.source().begin.line});
         }
     } catch (const toml::parse_error& error) {
         fail(error.source().begin, std::string(error.description()));
     } catch (const NotToml&) {
         throw std::invalid_argument(file + ": this is not TOML; write one option per line, as in: level = 6");
     }
-    return tokens;
+    std::stable_sort(options.begin(), options.end(), [](const auto& a, const auto& b) { return a.line < b.line; });
+    return options;
 }
 
-std::vector<std::string> with_config(std::vector<std::string> arguments) {
+std::vector<std::string> with_config(std::vector<std::string> arguments, std::vector<ConfigOption>& options) {
     std::vector<std::string> tokens;  // of several files in their order: the last word counts
     for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
         std::string file;
         if (arguments[i].rfind("--config=", 0) == 0) file = arguments[i].substr(9);
         if (arguments[i] == "--config" && i + 1 < arguments.size()) file = arguments[++i];
         if (file.empty()) continue;
-        for (std::string& token : tokens_of_config(file)) tokens.push_back(std::move(token));
+        for (ConfigOption& option : options_of_config(file)) {
+            tokens.push_back(option.token());
+            options.push_back(std::move(option));
+        }
     }
     arguments.insert(arguments.begin() + options_begin(arguments), tokens.begin(), tokens.end());
     return arguments;

@@ -12,12 +12,21 @@ namespace {
 std::vector<std::string> tokens(const std::string& toml) {
     const tests::TemporaryFolder folder;
     tests::write_file(folder / "study.toml", toml);
-    return tokens_of_config((folder / "study.toml").string());
+    std::vector<std::string> result;
+    for (const ConfigOption& option : options_of_config((folder / "study.toml").string())) {
+        result.push_back(option.token());
+    }
+    return result;
+}
+
+std::vector<std::string> with_config(std::vector<std::string> arguments) {
+    std::vector<ConfigOption> options;
+    return with_config(std::move(arguments), options);
 }
 
 TEST(ConfigFile, OptionsBecomeTokens) {
     EXPECT_THAT(tokens("level = 5\nlambda = 0.25\nalign = \"none\"\npreserve-volume = true\n"),
-                testing::UnorderedElementsAre("--level=5", "--lambda=0.25", "--align=none", "--preserve-volume=true"));
+                testing::ElementsAre("--level=5", "--lambda=0.25", "--align=none", "--preserve-volume=true"));
     EXPECT_THAT(tokens(""), testing::IsEmpty());
     EXPECT_THAT(tokens("out = \"a b = c\"\n"), testing::ElementsAre("--out=a b = c"));
 }
@@ -27,7 +36,7 @@ TEST(ConfigFile, WhatIsNotAnOptionIsRefused) {
     EXPECT_THROW((void)tokens("level = [5]\n"), std::invalid_argument);
     EXPECT_THROW((void)tokens("config = \"other.toml\"\n"), std::invalid_argument);
     EXPECT_THROW((void)tokens("level 5"), std::invalid_argument);
-    EXPECT_THROW((void)tokens_of_config("/no/such/file.toml"), std::invalid_argument);
+    EXPECT_THROW((void)options_of_config("/no/such/file.toml"), std::invalid_argument);
 }
 
 TEST(ConfigFile, ItsOptionsComeBeforeThoseOfTheCommandLineAndBehindTheCommand) {

@@ -238,9 +238,31 @@ TEST(Usage, AWrongConfigurationFileIsSaidWithFileAndLine) {
     const Outcome no_file = morphodesic({"run", (folder / "disks").string(), "--config", folder.path().string()});
     EXPECT_EQ(no_file.code, 2);
     EXPECT_THAT(no_file.err, HasSubstr(folder.path().string() + ": is a folder"));
-    write_file(folder / "unknown.toml", "wings = 2\n");
-    EXPECT_EQ(morphodesic({"run", (folder / "disks").string(), "--config", (folder / "unknown.toml").string()}).code,
-              2);
+}
+
+TEST(Usage, AWrongOptionInAConfigurationFileIsSaidWithFileAndLine) {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "c.toml").string();
+    const auto expect = [&](std::vector<std::string> command, const std::string& options, const std::string& said) {
+        write_file(file, options);
+        command.insert(command.end(), {"--config", file});
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 2) << options;
+        EXPECT_EQ(done.err, said) << options;
+    };
+    const std::string start = "morphodesic: " + file + ", line ", run = "; see morphodesic run --help\n";
+    expect({"run", "x"}, "steps = 4\nlevle = 5\nangle = 1\n",
+           start + "2: there is no option \"levle\"" + run + start + "3: there is no option \"angle\"" + run);
+    expect({"run", "x"}, "level = 5.5\n", start + "1: \"level\" cannot be 5.5: it must be a whole number" + run);
+    expect({"run", "x"}, "# mine\nlambda = \"much\"\n",
+           start + "2: \"lambda\" cannot be much: it must be a number" + run);
+    expect({"run", "x"}, "preserve-volume = \"often\"\n",
+           start + "1: \"preserve-volume\" cannot be often: it must be true or false" + run);
+    expect({"run", "x"}, "preset = \"nice\"\n",
+           start + "1: \"preset\" cannot be nice: nice not in {fast,standard,fine}" + run);
+    expect({"run", "x"}, "folder = \"y\"\n", start + "1: there is no option \"folder\"" + run);
+    expect({"datasets", "bars"}, "wings = 2\n",
+           start + "1: there is no option \"wings\"; see morphodesic datasets bars --help\n");
 }
 
 }  // namespace
