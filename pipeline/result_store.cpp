@@ -12,6 +12,7 @@
 
 #include "pipeline/database.h"
 #include "pipeline/digest.h"
+#include "pipeline/study_folder.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -347,6 +348,7 @@ void expect_store(const fs::path& file) {
 
 ResultStore::ResultStore(fs::path file, Access access) {
     if (access == Access::read) expect_store(file);
+    refuse_lost_store(file);
     impl_ = std::make_unique<Impl>(std::move(file), access);
     impl_->open(access);
 }

@@ -162,6 +162,14 @@ void StudyFolder::remove(const fs::path& name) const {
     if (error) throw StoreError(path_ / name, "cannot be removed: " + error.message() + "; check its permissions");
 }
 
+void refuse_lost_store(const fs::path& store) {
+    std::error_code error;
+    if (fs::is_directory(store, error)) {
+        throw StoreError(store,
+                         "a folder stands where the store must be; move it away, then give the same command again");
+    }
+}
+
 StudyLock::StudyLock(const StudyFolder& folder) {
     const fs::path file = folder.lock();
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);

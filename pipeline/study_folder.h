@@ -53,6 +53,9 @@ private:
     std::filesystem::path path_;
 };
 
+/// @throws StoreError if a folder stands in the place of a store
+void refuse_lost_store(const std::filesystem::path& store);
+
 /// Held by the one process that works on a study, or writes into another folder of results. A second one is told who is
 /// at work and ends; when a process dies, its lock goes with it. The file stays: it is the first one in a folder, so it
 /// tells whose folder that is also where everything else is missing.

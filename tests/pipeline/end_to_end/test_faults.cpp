@@ -187,6 +187,33 @@ TEST_F(DisturbedStore, GarbageIsRefusedWithAdvice) {
     EXPECT_THAT(done.err, HasSubstr("damaged"));
 }
 
+/// Each command that opens the store of a study.
+std::vector<std::vector<std::string>> commands_on(const fs::path& disks, const std::string& study) {
+    return {
+        quick({"run", disks.string(), "--out", study}),
+        quick({"ingest", disks.string(), "--out", study}),
+        {"geodesics", study},
+        {"analyze", study},
+        {"report", study},
+        {"verify", study},
+        {"plan", study, "--shards", "2"},
+        {"merge", study, "results.jsonl"},
+        quick({"classify", (disks / "disk-01.png").string(), "--templates", study, "--out", study + ".classified"})};
+}
+
+TEST_F(DisturbedStore, AFolderInItsPlaceIsSaid) {
+    const std::string study = (folder_ / "disks.study").string();
+    fs::remove(store_);
+    fs::create_directory(store_);
+    for (const auto& command : commands_on(folder_ / "disks", study)) {
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 3) << command[0];
+        EXPECT_THAT(done.err, HasSubstr("study.sqlite: a folder stands where the store must be; move it away"))
+            << command[0];
+    }
+    EXPECT_TRUE(fs::is_empty(store_));
+}
+
 TEST_F(DisturbedStore, AChangedNumberIsFoundAndComputedAgain) {
     execute(store_, "UPDATE geodesics SET path_length = path_length * 1.001 WHERE a = (SELECT min(a) FROM geodesics)");
     const Outcome checked = morphodesic({"verify", (folder_ / "disks.study").string()});
