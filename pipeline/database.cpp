@@ -41,7 +41,7 @@ namespace {
         case SQLITE_NOTADB:
             throw StoreError(file, "is damaged or not a study's store (" + said +
                                        "); move it away and run the study again, or restore a copy. What can still be "
-                                       "read is shown by: sqlite3 FILE .recover");
+                                       "read is shown by: sqlite3 FILE .dump");
         default:
             throw StoreError(file, "SQLite says: " + said);
     }

@@ -72,6 +72,7 @@ protected:
             << refused.err;
         const Outcome kept = shell("cd '" + study_.string() + "' && " + advice.str());
         EXPECT_EQ(kept.code, 0) << kept.err;
+        EXPECT_EQ(stored_rows(study_), 10);  // nothing was computed yet
         expect_healed("what could be read of a broken store");
     }
     TemporaryFolder folder_;
