@@ -168,6 +168,13 @@ void refuse_lost_store(const fs::path& store) {
         throw StoreError(store,
                          "a folder stands where the store must be; move it away, then give the same command again");
     }
+    if (!fs::is_regular_file(store, error) || fs::file_size(store, error) != 0 || error) return;
+    for (const char* name : {"distances.csv", "pairs.csv", "shapes.csv", "clusters.csv", "analysis.json", "report.json",
+                             "report.html", "shards/plan.sqlite"}) {
+        if (!fs::exists(store.parent_path() / name, error)) continue;
+        throw StoreError(store, std::string("is empty, though results of the study lie beside it (") + name +
+                                    "); restore a copy of it, or remove the file to have everything computed anew");
+    }
 }
 
 StudyLock::StudyLock(const StudyFolder& folder) {

@@ -53,7 +53,9 @@ private:
     std::filesystem::path path_;
 };
 
-/// @throws StoreError if a folder stands in the place of a store
+/// A store that is no file, or that lost all it held, must not be taken for one that is about to be made. One that a
+/// stop at its very beginning left is empty, too, but nothing was written beside it yet.
+/// @throws StoreError if a folder stands in its place, or if it is empty beside results of the study
 void refuse_lost_store(const std::filesystem::path& store);
 
 /// Held by the one process that works on a study, or writes into another folder of results. A second one is told who is

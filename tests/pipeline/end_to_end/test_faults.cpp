@@ -214,6 +214,26 @@ TEST_F(DisturbedStore, AFolderInItsPlaceIsSaid) {
     EXPECT_TRUE(fs::is_empty(store_));
 }
 
+TEST_F(DisturbedStore, EmptyBesideResultsItIsLostAndNotNew) {
+    const std::string study = (folder_ / "disks.study").string();
+    fs::resize_file(store_, 0);
+    for (const auto& command : commands_on(folder_ / "disks", study)) {
+        const Outcome done = morphodesic(command);
+        EXPECT_EQ(done.code, 3) << command[0];
+        EXPECT_THAT(done.err, HasSubstr("study.sqlite: is empty, though results of the study lie beside it"))
+            << command[0];
+        EXPECT_EQ(fs::file_size(store_), 0U) << command[0];
+    }
+    fs::remove(store_);  // as the message says
+    EXPECT_EQ(morphodesic(command_).code, 0);
+    EXPECT_EQ(read_file(folder_ / "disks.study/distances.csv"), bytes_);
+    // As a stop at its very beginning leaves a study.
+    write_file(folder_ / "new/study.lock", "");
+    write_file(folder_ / "new/study.sqlite", "");
+    EXPECT_EQ(morphodesic(quick({"run", (folder_ / "disks").string(), "--out", (folder_ / "new").string()})).code, 0);
+    EXPECT_EQ(read_file(folder_ / "new/distances.csv"), bytes_);
+}
+
 TEST_F(DisturbedStore, AChangedNumberIsFoundAndComputedAgain) {
     execute(store_, "UPDATE geodesics SET path_length = path_length * 1.001 WHERE a = (SELECT min(a) FROM geodesics)");
     const Outcome checked = morphodesic({"verify", (folder_ / "disks.study").string()});
