@@ -561,8 +561,8 @@ int run_program(const std::vector<std::string>& arguments) {
     datasets::set_interruption([] { return StopSignals::caught() != 0; });
     const int code = guarded_run(arguments);
     if ((code == all_done || code == some_failed) && output_lost()) {
-        std::cerr << "morphodesic: standard output cannot be written; nothing that was computed is lost: free some "
-                     "space, then give the same command again\n";
+        std::cerr << "morphodesic: standard output cannot be written; files of the command are whole, what was to be "
+                     "printed is missing: free some space, then give the same command again\n";
         return environment_failed;
     }
     return code;

@@ -254,7 +254,6 @@ struct ResultStore::Impl {
     void open(Access access) {
         const int version = static_cast<int>(pragma("user_version"));
         if (version == 0 && access == Access::write && pragma("schema_version") == 0) {
-            database.execute("PRAGMA journal_mode = WAL");
             Transaction transaction(database);
             database.execute(schema);
             database.execute("PRAGMA application_id = " + std::to_string(application_id));
@@ -275,6 +274,11 @@ struct ResultStore::Impl {
             database.execute("PRAGMA synchronous = FULL");
             database.execute("PRAGMA wal_autocheckpoint = 1000");
         }
+        expect_sound();
+        expect_tables();
+        if (access == Access::write) database.execute("PRAGMA journal_mode = WAL");  // a copy may have lost that
+    }
+    void expect_sound() const {
         // Not quick_check: it does not see that keys of a tree are out of order, and a search in such a tree misses
         // rows that are there. The whole check takes 1.8 times as long (1.8 s for 300,000 pairs).
         Statement check = database.prepare("PRAGMA integrity_check(1)");
@@ -288,10 +292,9 @@ struct ResultStore::Impl {
                     "application_id=" +
                     std::to_string(application_id) + ";PRAGMA user_version=" + std::to_string(store_version) +
                     ";COMMIT;' -e '/^COMMIT/d;/^ROLLBACK/d;s/^INSERT /INSERT OR IGNORE /' | sqlite3 saved.sqlite && "
-                    "mv study.sqlite damaged.sqlite && mv saved.sqlite study.sqlite; then give the same command again. "
-                    "Or move it away: everything is computed again");
+                    "mv study.sqlite damaged.sqlite && rm -f study.sqlite-wal study.sqlite-shm && mv saved.sqlite "
+                    "study.sqlite; then give the same command again. Or move it away: everything is computed again");
         }
-        expect_tables();
     }
     void expect_tables() const {
         Statement find = database.prepare("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?");

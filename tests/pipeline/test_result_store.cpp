@@ -152,6 +152,21 @@ TEST_F(Store, FactsAndSettingsAreKept) {
     EXPECT_FALSE(store.settings("other"));
 }
 
+TEST_F(Store, ACopyThatLostItsJournalModeHasItAgainWhenItIsWrittenTo) {
+    const auto mode = [&] {
+        const Database database(file_, false);
+        Statement find = database.prepare("PRAGMA journal_mode");
+        find.step();
+        return find.text(0);
+    };
+    ResultStore(file_, ResultStore::Access::write).put_geodesic(example("a", "b"));
+    EXPECT_EQ(mode(), "wal");
+    ResultStore(file_, ResultStore::Access::write).finish_as_one_file();
+    EXPECT_EQ(mode(), "delete");
+    EXPECT_TRUE(ResultStore(file_, ResultStore::Access::write).geodesic("a", "b", "settings"));
+    EXPECT_EQ(mode(), "wal");
+}
+
 TEST_F(Store, ReadingWhereThereIsNoStudySaysHowToMakeOne) {
     try {
         const ResultStore store(file_, ResultStore::Access::read);
