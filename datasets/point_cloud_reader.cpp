@@ -178,21 +178,79 @@ struct Line {
     bool has_decimal_commas = false;
 };
 
+/// Which columns of the rows are x, y and z.
+struct Columns {
+    std::array<std::size_t, 3> of{0, 1, 2};
+    std::size_t words = 0;  ///< of the heading that names them; 0: there is none
+
+    [[nodiscard]] bool are_in_order() const { return of[1] == of[0] + 1 && of[2] == of[1] + 1; }
+    /// Of a line that names x, y and z, each once.
+    [[nodiscard]] static Columns headed(std::string text) {
+        for (char& c : text) {
+            if (std::string_view("#/,;\"'").find(c) != std::string_view::npos) c = ' ';
+        }
+        Columns columns;
+        std::array<int, 3> named{};
+        std::string_view rest = text;
+        for (std::string_view word = TextScan::word(rest); !word.empty(); word = TextScan::word(rest)) {
+            for (std::size_t a = 0; a < 3; ++a) {
+                if (!TextScan::is_word(word, std::array<std::string_view, 3>{"x", "y", "z"}[a])) continue;
+                columns.of[a] = columns.words;
+                ++named[a];
+            }
+            ++columns.words;
+        }
+        return named == std::array<int, 3>{1, 1, 1} ? columns : Columns{};
+    }
+    [[nodiscard]] bool read(std::string_view line, Vector3& p) const {
+        const std::size_t last = *std::max_element(of.begin(), of.end());
+        for (std::size_t column = 0; column <= last; ++column) {
+            const std::string_view word = TextScan::word(line);
+            for (std::size_t a = 0; a < 3; ++a) {
+                if (of[a] == column && !TextScan::number(word, p[a])) return false;
+            }
+        }
+        return true;
+    }
+};
+
+std::size_t word_count(std::string_view line) {
+    std::size_t words = 0;
+    while (!TextScan::word(line).empty()) ++words;
+    return words;
+}
+
 std::vector<Vector3> read_xyz(const fs::path& file, std::string_view content, std::vector<std::string>& notes) {
     std::vector<Vector3> points;
     bool has_decimal_commas = false;
+    Columns columns, headed;
     TextScan scan(content);
+    const auto is_heading = [&](std::string_view line) {
+        const Columns found = Columns::headed(std::string(line));
+        if (found.words > 0) headed = found;
+        return found.words > 0;
+    };
     while (!scan.done()) {
         const std::string_view whole = scan.line();
         const Line plain(whole.substr(0, whole.find('#')));
-        std::string_view line = plain.text;
-        const std::string_view first = TextScan::word(line);
-        if (first.empty()) continue;
+        const std::size_t words = word_count(plain.text);
+        if (words == 0) {
+            if (points.empty()) is_heading(whole);
+            continue;
+        }
+        // A heading of as many words as a row has numbers; others are sentences in which x, y and z occur.
+        if (points.empty()) columns = headed.words == words ? headed : Columns{};
         Vector3 p{};
-        const std::string_view second = TextScan::word(line), third = TextScan::word(line);
-        if (!TextScan::number(first, p[0]) || !TextScan::number(second, p[1]) || !TextScan::number(third, p[2])) {
-            if (points.empty() && scan.line_number() <= 2) continue;  // a count or a title
-            refuse(file, "line " + std::to_string(scan.line_number()) + " does not begin with three numbers");
+        if (!columns.read(plain.text, p)) {
+            if (points.empty() && (is_heading(whole) || scan.line_number() <= 2)) continue;  // or a count or a title
+            refuse(file, "line " + std::to_string(scan.line_number()) +
+                             (columns.words > 0 ? " has no numbers in the columns headed x, y and z"
+                                                : " does not begin with three numbers"));
+        }
+        if (points.empty() && headed.words > 0 && columns.words == 0 && !headed.are_in_order()) {
+            refuse(file, "line " + std::to_string(scan.line_number()) + " has " + std::to_string(words) +
+                             " columns, the heading above it names " + std::to_string(headed.words) +
+                             ", among them x, y and z in an order of their own");
         }
         for (const double x : p) {
             if (const char* problem = coordinate_problem(x))

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -31,6 +32,8 @@ constexpr double largest_new_share = 0.3;  // of the surface: beyond it the othe
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
 constexpr double most_specks = 0.01;       // of the volume, together: more of them are what the object is made of
 constexpr double largest_ball = 0.25;      // of the length: a larger one would lie in the object rather than on it
+constexpr double deep_inside = 0.03;       // of the size: points there are no noise of the surface
+constexpr double least_unused = 0.005;     // of the points: fewer are not worth a note
 
 std::string number(double value, const char* format = "%.3g") {
     char text[32];
@@ -184,6 +187,32 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
     }
 }
 
+/// Points that are not on the surface that was made of the cloud: whole parts may be too sparse to be closed, and what
+/// lies in the middle of a solid may have been the wall of a cavity.
+void note_unused_points(const std::vector<Vector3>& points, const Solid& solid, double far, double size,
+                        std::vector<std::string>& notes) {
+    const TriangleTree surface(solid.mesh);
+    std::atomic<std::size_t> outside = 0, inside = 0;
+    const double deep = std::max(far, deep_inside * size);
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+        interruption_point(i, 64);
+        if (surface.nearest(points[i], far).distance < far) return;
+        if (surface.winding_number(points[i]) < 0.5) {
+            ++outside;
+        } else if (surface.nearest(points[i], deep).distance >= deep) {
+            ++inside;
+        }
+    });
+    const auto note = [&](std::size_t number, const char* where, const char* why) {
+        const double share = static_cast<double>(number) / static_cast<double>(points.size());
+        if (share < least_unused) return;
+        notes.push_back(count(number, "point") + " (" + percent(share) + ") " + (number == 1 ? "lies " : "lie ") +
+                        where + ": " + why + ".");
+    };
+    note(outside, "outside of the solid", "too sparse to be closed, or stray");
+    note(inside, "deep within the solid", "if they are the wall of a cavity, it was filled");
+}
+
 /// Says why no ball up to the widest finds an inside between points, as far as other balls tell.
 [[noreturn]] void refuse_points(const std::vector<Vector3>& points, double typical, double widest,
                                 const std::filesystem::path& file, const SolidifyOptions& options) {
@@ -212,7 +241,9 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
                 throw ReadError(file, opening + ", more than --close-gaps allows (" + percent(options.close_gaps) + ")",
                                 "use points from all sides, or raise --close-gaps");
             }
-            throw ReadError(file, opening + "; between points no more than half of the length can be closed",
+            throw ReadError(file,
+                            opening + "; between points no more than " + percent(2.0 * largest_ball * longest / size) +
+                                " can be closed",
                             "add points there (a flat floor will do), or make a mesh of the points: wider holes of "
                             "meshes are closed");
         }
@@ -464,7 +495,9 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
         return gap > 2.0 * typical;
     };
     judge_new_surface(new_surface(rebuilt, is_new), size, file, options, notes);
-    return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    Solid solid = finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    note_unused_points(cloud.points, solid, 2.0 * radius, size, solid.notes);
+    return solid;
 }
 
 }  // namespace morphodesic::datasets

@@ -2,7 +2,6 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
-#include <openvdb/tools/VolumeToMesh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "datasets/bytes.h"
 #include "datasets/collection_folder.h"
+#include "datasets/level_set_surface.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
 #include "datasets/text_scan.h"
@@ -24,21 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t largest_voxel_count = 512ULL * 512 * 512;
-
-TriangleMesh surface_of(const openvdb::FloatGrid& grid, double value) {
-    std::vector<openvdb::Vec3s> points;
-    std::vector<openvdb::Vec3I> triangles;
-    std::vector<openvdb::Vec4I> quads;
-    openvdb::tools::volumeToMesh(grid, points, triangles, quads, value, 0.0, false);
-    TriangleMesh mesh;
-    for (const auto& p : points) mesh.points.push_back({p[0], p[1], p[2]});
-    const auto add = [&](unsigned a, unsigned b, unsigned c) {
-        mesh.triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
-    };
-    for (const auto& t : triangles) add(t[0], t[1], t[2]);
-    for (const auto& q : quads) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
-    return mesh;
-}
 
 void write_ply_content(const fs::path& file, const TriangleMesh& mesh, const std::vector<NamedField>& fields) {
     std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +

@@ -3,7 +3,6 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/MeshToVolume.h>
-#include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "datasets/distance_transform.h"
 #include "datasets/interruption.h"
+#include "datasets/level_set_surface.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/winding_number.h"
 
@@ -80,27 +80,8 @@ TriangleMesh isosurface(const Lattice& lattice, const std::vector<float>& values
     const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(nodes_of(lattice), outward.data());
     auto grid = openvdb::FloatGrid::create(band);
     openvdb::tools::copyFromDense(dense, *grid, 0.0F);
-    std::vector<openvdb::Vec3s> points;
-    std::vector<openvdb::Vec3I> triangles;
-    std::vector<openvdb::Vec4I> quads;
-    openvdb::tools::volumeToMesh(*grid, points, triangles, quads, 0.0, 0.0, false);
-
-    TriangleMesh mesh;
-    mesh.points.reserve(points.size());
-    for (const auto& p : points) {
-        mesh.points.push_back(lattice.origin + lattice.spacing * Vector3{p[0], p[1], p[2]});
-    }
-    const auto add = [&](unsigned a, unsigned b, unsigned c) {
-        mesh.triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
-    };
-    for (const auto& t : triangles) add(t[0], t[1], t[2]);
-    for (const auto& q : quads) {
-        if ((points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr()) {
-            add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
-        } else {
-            add(q[1], q[2], q[3]), add(q[1], q[3], q[0]);
-        }
-    }
+    TriangleMesh mesh = surface_of(*grid, 0.0);
+    for (Vector3& p : mesh.points) p = lattice.origin + lattice.spacing * p;
     if (signed_volume(mesh) < 0) {
         turn_inside_out(mesh);
     }

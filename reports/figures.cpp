@@ -120,7 +120,7 @@ Figure precision_recall(const FigureStudy& s) {
 std::string path_figure(const ReportModel& model, const PathReport& path) {
     const double side = 120, gap = 8;
     const auto frames = static_cast<double>(path.frames.size());
-    const double width = std::max(420.0, 40 + frames * (side + gap));
+    const double width = std::max(520.0, 40 + frames * (side + gap));  // the words beside the colours need it
     Svg svg(width, side + 130);
     const auto name = [&](int i) { return model.shapes.at(static_cast<std::size_t>(i)).name; };
     svg.text(20, 20, name(path.a) + "  →  " + name(path.b), 13, "start", ink, true);

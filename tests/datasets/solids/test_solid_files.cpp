@@ -80,6 +80,19 @@ TEST(VdbFiles, LevelSetSurvivesTheRoundTrip) {
     EXPECT_NEAR(mesh.volume, 4.0 / 3.0 * 3.14159265 * 0.027, 0.002);
 }
 
+TEST(PointCloudReader, AHeadingSaysWhichColumnsArePositions) {
+    const FileFolder folder;
+    std::vector<std::string> notes;
+    const auto read = [&](const std::string& text) { return read_point_cloud(folder.write("a.xyz", text), 10, notes); };
+    EXPECT_EQ(read("x y z r\n0.5 1 1.5 9\n-2 0.25 8 9\n3 4 5 9\n"), three);
+    EXPECT_EQ(read("r g b x y z\n9 9 9 0.5 1 1.5\n9 9 9 -2 0.25 8\n9 9 9 3 4 5\n"), three);
+    EXPECT_EQ(read("# made by a scanner\n# in mm\n//Y,X,Z\n1,0.5,1.5\n0.25,-2,8\n4,3,5\n"), three);
+    EXPECT_EQ(read("\"id\";\"z\";\"y\";\"x\"\n1;1,5;1,0;0,5\n2;8,0;0,25;-2,0\n3;5,0;4,0;3,0\n"), three);
+    EXPECT_EQ(read("# columns x y z in metres\n0.5 1 1.5\n-2 0.25 8\n3 4 5\n"), three);  // a sentence
+    EXPECT_THROW(read("z y x\n0.5 1 1.5 9\n-2 0.25 8 9\n"), ReadError);
+    EXPECT_THROW(read("r x y z\n9 0.5 1 1.5\n9 -2 0.25\n"), ReadError);
+}
+
 TEST(PointCloudReader, DecimalCommasAreToldFromSeparators) {
     const FileFolder folder;
     const auto read = [&](const std::string& text, bool has_commas) {

@@ -281,6 +281,18 @@ TEST(Solidify, PointCloudOfABall) {
     EXPECT_TRUE(topology(solid.mesh).closed());
 }
 
+TEST(Solidify, PointsThatNoSolidHasAreSaid) {
+    const std::vector<Vector3> ball = ball_mesh(middle, radius, 5).points;
+    const auto notes_with = [&](const TriangleMesh& other) {
+        std::vector<Vector3> points = ball;
+        points.insert(points.end(), other.points.begin(), other.points.end());
+        return solid_from_points(points, "cloud", coarse()).notes;
+    };
+    EXPECT_THAT(solid_from_points(ball, "ball", coarse()).notes, testing::SizeIs(1));
+    EXPECT_THAT(notes_with(ball_mesh({1.0, 0.5, 0.5}, 0.1, 2)), Contains(HasSubstr("66 points (1.6 %) lie outside")));
+    EXPECT_THAT(notes_with(ball_mesh(middle, 0.15, 4)), Contains(HasSubstr("1026 points (20.0 %) lie deep within")));
+}
+
 TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
     const auto refusal = [](std::vector<Vector3> points, const SolidifyOptions& options) -> std::string {
         try {
