@@ -250,7 +250,9 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
             });
     }
     if (name == "verify") {
-        sub->add_option("--sample", study.sample, "number of pairs")->check(CLI::PositiveNumber)->capture_default_str();
+        sub->add_option("--sample", study.sample, "number of pairs")
+            ->check(CLI::Range(1, 1'000'000'000))
+            ->capture_default_str();
         sub->add_option("--seed", study.seed, "another seed, another sample")->capture_default_str();
     }
     sub->callback([this, function] { action = [this, function] { return function(study); }; });

@@ -47,7 +47,7 @@ void write_figures(const reports::ReportModel& model, const StudyFolder& folder)
     for (const reports::Figure& figure : figures) {
         const fs::path pdf = folder.path() / file(figure, ".pdf"), png = folder.path() / file(figure, ".png"),
                        svg = folder.path() / file(figure, ".svg");
-        if (fs::exists(pdf) && fs::exists(png) && bytes_of(svg) == figure.svg) continue;
+        if (fs::exists(pdf) && fs::exists(png) && fs::is_regular_file(svg) && bytes_of(svg) == figure.svg) continue;
         for (const fs::path& old : {svg, pdf, png}) fs::remove(old, ignored);
         changed.push_back(&figure);
     }

@@ -226,6 +226,7 @@ void add_findings(const StudyData& data, const StudyOptions& options, AnalysedSt
 void write_report(RunFiles tables, const reports::ReportModel& model, const StudyFolder& folder, Summary& summary) {
     tables.written.emplace_back("report.json", reports::to_json(model));
     tables.written.emplace_back("report.html", reports::render_html(model));
+    tables.dropped.emplace_back("analysis.json");  // report.json has the same of these tables
     folder.write_together(tables);
     write_figures(model, folder);
     summarise(model, summary);

@@ -105,8 +105,9 @@ ShardResults read_shard_results(const fs::path& file) {
     bool first = true, any_header = false;
     std::string problem_of_first;
     while (in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) {
-        if (in.eof() && !first) break;  // without its line end: was being written when the shard was stopped
-        const std::string line(buffer.data(), static_cast<std::size_t>(in.gcount()) - (in.eof() ? 0 : 1));
+        const bool is_ended = !in.eof();
+        const std::string line(buffer.data(), static_cast<std::size_t>(in.gcount()) - (is_ended ? 1 : 0));
+        if (line.find_first_not_of(" \t\r") == line.npos && !first) continue;
         const bool text = line.find('\0') == line.npos;  // the JSON reader would stop at the zero and be content
         if (auto row = first || !text ? std::nullopt : geodesic_from_line(line)) {
             // It says itself, under its checksum, to which settings it belongs.
@@ -115,8 +116,10 @@ ShardResults read_shard_results(const fs::path& file) {
             } else {
                 results.rows[row->settings_hash].push_back(std::move(*row));
             }
+            results.lacks_line_end = !is_ended;
             continue;
         }
+        if (!is_ended && !first) break;  // was being written when the shard was stopped
         const json head = text ? json::parse(line, nullptr, false) : json();
         if (first && !is_header(head)) {
             results.problem = file.string() + ": is not the result file of a shard";
@@ -198,7 +201,11 @@ void ShardWriter::take_up(const std::string& settings_hash) {
     if (unfinished == size) {  // nothing but the header of an older program, which had no checksum
         throw StoreError(file_, "cannot be continued: its first line has no end; move it away");
     }
-    if (unfinished > 0) cut_to(size - unfinished);
+    if (results.lacks_line_end) {
+        write("");
+    } else if (unfinished > 0) {
+        cut_to(size - unfinished);
+    }
     if (results.ends_in_other_version) write(head);  // what comes now is not of that header
     before_ = std::move(results.rows[settings_hash]);
 }

@@ -17,6 +17,7 @@ struct ShardResults {
     std::map<std::string, std::vector<StoredGeodesic>> rows;  ///< sound ones by settings; empty lists: only a header
     long damaged = 0;                                         ///< lines that are not what was written
     long of_other_version = 0;                                ///< rows behind a header of another version
+    bool lacks_line_end = false;                              ///< the last row, which is sound
     bool ends_in_other_version = false;                       ///< the last header is of another version
     std::string problem;                                      ///< why nothing of the file may be used; empty if it may
 };

@@ -159,6 +159,7 @@ void StudyFolder::put_in_place(const fs::path& name, bool kept) const {
 void StudyFolder::remove(const fs::path& name) const {
     std::error_code error;
     fs::remove(path_ / name, error);
+    if (error == std::errc::directory_not_empty) throw StoreError(path_ / name, remedy(EISDIR, has_store()));
     if (error) throw StoreError(path_ / name, "cannot be removed: " + error.message() + "; check its permissions");
 }
 

@@ -138,14 +138,19 @@ int analyze(const StudyOptions& options) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(options.common)));
     check_sources(options);
-    return analyse_and(options,
-                       [](const Subject& subject, RunFiles files, const reports::ReportModel& model, Summary& summary) {
-                           files.written.emplace_back("analysis.json", reports::to_json(model));
-                           subject.folder.write_together(files);
-                           summarise(model, summary);
-                           summary.lines.push_back("Tables: " + subject.folder.path().string());
-                           summary.add_failures(subject.data.failures);
-                       });
+    return analyse_and(
+        options, [&](const Subject& subject, RunFiles files, const reports::ReportModel& model, Summary& summary) {
+            files.written.emplace_back("analysis.json", reports::to_json(model));
+            subject.folder.write_together(files);
+            summarise(model, summary);
+            summary.lines.push_back("Tables: " + subject.folder.path().string());
+            if (std::filesystem::exists(subject.folder.path() / "report.html")) {
+                summary.add_remark(
+                    "report.html, report.json and figures/ are those of an earlier run; `morphodesic report " +
+                    options.study.string() + "` brings them up to date.");
+            }
+            summary.add_failures(subject.data.failures);
+        });
 }
 
 int report(const StudyOptions& options) {

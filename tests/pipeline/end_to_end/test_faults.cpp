@@ -137,8 +137,26 @@ TEST_F(StoppedStudy, AReportThatDoesNotFitLeavesThatOfTheEarlierRun) {
     const Outcome full = shell("ulimit -f 60; exec \"$MORPHODESIC\"" + other);
     EXPECT_EQ(full.code, 3) << full.err;
     EXPECT_EQ(results(), before);
+    // Nor one of whose files a folder has the place.
+    for (const std::string name : {"placed.csv", "figures/page.svg"}) {
+        const fs::path file = folder_ / "study" / name;
+        fs::remove(file);
+        fs::create_directories(file / "of the user");
+        const Outcome blocked = shell("exec \"$MORPHODESIC\"" + other);
+        EXPECT_EQ(blocked.code, 3);
+        EXPECT_THAT(blocked.err, HasSubstr(name + ": cannot be written: "));
+        EXPECT_THAT(blocked.err, HasSubstr("a folder stands where a file must be"));
+        fs::remove_all(file);
+    }
     EXPECT_EQ(shell("exec \"$MORPHODESIC\"" + other).code, 0);
     EXPECT_NE(results().at("clusters.csv"), before.at("clusters.csv"));
+    // Two commands do not leave results of two states side by side without a word.
+    const Outcome analyzed = morphodesic({"analyze", (folder_ / "study").string()});
+    EXPECT_EQ(analyzed.code, 0) << analyzed.err;
+    EXPECT_THAT(analyzed.out, HasSubstr("are those of an earlier run"));
+    EXPECT_TRUE(results().contains("analysis.json"));
+    EXPECT_EQ(shell("exec \"$MORPHODESIC\"" + other).code, 0);
+    EXPECT_FALSE(results().contains("analysis.json"));
 }
 
 TEST_F(StoppedStudy, TooLittleAddressSpaceIsSaidBeforeAnythingBegins) {

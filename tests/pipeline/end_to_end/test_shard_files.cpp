@@ -90,6 +90,30 @@ TEST_F(ShardFiles, WhatAStopLeftIsTakenUp) {
     }
 }
 
+TEST_F(ShardFiles, BlankLinesAndAMissingLastLineEndAreNoDamage) {
+    const fs::path mine = folder / "mine.jsonl";
+    ASSERT_EQ(shard(mine).code, 0);
+    const std::string whole = read_file(mine), head = whole.substr(0, whole.find('\n') + 1);
+    const auto merged = [&](const std::string& bytes) {
+        write_file(folder / "edited.jsonl", bytes);
+        fs::remove_all(folder / "copy");
+        fs::copy(folder / "study", folder / "copy", fs::copy_options::recursive);
+        const Outcome done =
+            morphodesic({"merge", (folder / "copy").string(), (folder / "edited.jsonl").string(), "--json"});
+        EXPECT_THAT(done.out + done.err, testing::Not(HasSubstr("damaged")));
+        return json::parse(done.out)["pairs_added"].get<long>();
+    };
+    const long all = merged(whole);
+    EXPECT_GT(all, 1);
+    EXPECT_EQ(merged(head + "\n \r\n" + whole.substr(head.size()) + "\n"), all);
+    const std::string without_end = whole.substr(0, whole.size() - 1);
+    EXPECT_EQ(merged(without_end), all);
+    // Its row is taken up as it is, and only the line end is written.
+    write_file(mine, without_end);
+    ASSERT_EQ(shard(mine).code, 0);
+    EXPECT_EQ(read_file(mine), whole);
+}
+
 TEST_F(ShardFiles, OnlyAFileOrALinkToOneTakesResults) {
     fs::create_directory(folder / "dir");
     EXPECT_THAT(shard(folder / "dir").err, HasSubstr("is a folder"));
