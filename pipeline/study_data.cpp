@@ -62,10 +62,12 @@ StudyData load_study(const ResultStore& store) {
             }
             data.level_of[p] = static_cast<unsigned char>(level);
             const GeodesicRows& rows = rounds.rows[level];
-            if (const auto found = rows.find(keys.front()); found != rows.end()) data.pairs[p] = found->second;
-            if (const auto found = rows.find(keys.back()); keys.size() > 1 && found != rows.end()) {
-                data.backward[p] = found->second;
-            }
+            const auto row = [&](const GeodesicKey& key) {
+                const auto found = rows.find(key);
+                return found == rows.end() ? nullptr : std::make_shared<const StoredGeodesic>(found->second);
+            };
+            data.pairs[p] = row(keys.front());
+            if (keys.size() > 1) data.backward[p] = row(keys.back());
             const PairDistance pair = distance_of_pair(rows, keys);
             if (damaged.contains(keys.front()) || damaged.contains(keys.back())) {
                 const StudyFailure failure{data.shapes[i].name, data.shapes[j].name,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +19,9 @@ struct StudyFailure {
     bool cut_off = false;  ///< nothing is wrong with the file, but no chain of distances joins it to the others
 };
 
+/// Of a large study few pairs have one at first, or ever: those without take no room.
+using Geodesics = std::vector<std::shared_ptr<const StoredGeodesic>>;
+
 /// The rows of a store that belong to one set of settings, by the names of the files.
 struct StudyData {
     int dimension = 2;
@@ -31,8 +34,7 @@ struct StudyData {
     analysis::DistanceMatrix distances;
     /// Condensed as the matrix; none for files of equal content (distance 0) and for pairs that are not computed yet;
     /// empty for a given table.
-    std::vector<std::optional<StoredGeodesic>> pairs;
-    std::vector<std::optional<StoredGeodesic>> backward;  ///< the other way round; empty unless both are computed
+    Geodesics pairs, backward;  ///< and the other way round: empty unless both are computed
     /// Settings from coarse to fine; more than one if the study screens its pairs (PairSelection::neighbors).
     std::vector<GeodesicOptions> levels;
     std::vector<unsigned char> level_of;  ///< condensed: the level that `pairs`, `backward` and the distance are of
@@ -58,8 +60,8 @@ struct StudyData {
     [[nodiscard]] std::size_t index(std::size_t i, std::size_t j) const { return distances.index(i, j); }
 
 private:
-    static const StoredGeodesic* entry(const std::vector<std::optional<StoredGeodesic>>& from, std::size_t pair) {
-        return pair < from.size() && from[pair] ? &*from[pair] : nullptr;
+    static const StoredGeodesic* entry(const Geodesics& from, std::size_t pair) {
+        return pair < from.size() ? from[pair].get() : nullptr;
     }
 };
 
