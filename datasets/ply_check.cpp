@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
     throw ReadError(file, problem, "export or download the file again");
 }
 
-constexpr double plausible_corners =
-    1000.0;  // of a face: a longer list than the file has bytes is a lie, a shorter cut
+/// Corners of a face: a list that the file has no room for was cut off up to here, beyond it its length is a lie.
+constexpr double plausible_corners = 1000.0;
 
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
@@ -30,7 +31,7 @@ constexpr double most_correlated = 0.25;   // of bumps about half of whose varia
 constexpr double least_bump = 0.1;         // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_new_share = 0.3;  // of the surface: beyond it the other side of the object is a guess
 constexpr double largest_loss = 0.02;      // of the volume: parts that are too thin for the grid stay as they are
-constexpr double most_specks = 0.01;       // of the volume, together: more of them are what the object is made of
+constexpr double most_specks = 5.0;        // of the limit for one, together: more are what the object is made of
 constexpr double largest_ball = 0.25;      // of the length: a larger one would lie in the object rather than on it
 constexpr double deep_inside = 0.03;       // of the size: points there are no noise of the surface
 constexpr double least_unused = 0.005;     // of the points: fewer are not worth a note
@@ -45,6 +46,10 @@ std::string percent(double share) {
 }
 std::string count(std::size_t n, const char* noun) {
     return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+/// One of two things that were counted, or both with "and" between them. @param m, n  how many; not both 0
+std::string either_or_both(std::size_t m, const std::string& first, std::size_t n, const std::string& second) {
+    return m == 0 ? second : n == 0 ? first : first + " and " + second;
 }
 
 void note_strays(const Strays& strays, const char* noun, const char* whole, std::vector<std::string>& notes) {
@@ -189,25 +194,25 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
 
 /// Points that are not on the surface that was made of the cloud: whole parts may be too sparse to be closed, and what
 /// lies in the middle of a solid may have been the wall of a cavity.
-void note_unused_points(const std::vector<Vector3>& points, const Solid& solid, double far, double size,
-                        std::vector<std::string>& notes) {
+void note_unused_points(const std::vector<Vector3>& points, double far, double size, Solid& solid) {
     const TriangleTree surface(solid.mesh);
     std::atomic<std::size_t> outside = 0, inside = 0;
     const double deep = std::max(far, deep_inside * size);
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
         interruption_point(i, 64);
-        if (surface.nearest(points[i], far).distance < far) return;
+        const double distance = surface.nearest(points[i], deep).distance;
+        if (distance < far) return;
         if (surface.winding_number(points[i]) < 0.5) {
             ++outside;
-        } else if (surface.nearest(points[i], deep).distance >= deep) {
+        } else if (distance >= deep) {
             ++inside;
         }
     });
     const auto note = [&](std::size_t number, const char* where, const char* why) {
         const double share = static_cast<double>(number) / static_cast<double>(points.size());
         if (share < least_unused) return;
-        notes.push_back(count(number, "point") + " (" + percent(share) + ") " + (number == 1 ? "lies " : "lie ") +
-                        where + ": " + why + ".");
+        solid.notes.push_back(count(number, "point") + " (" + percent(share) + ") " + (number == 1 ? "lies " : "lie ") +
+                              where + ": " + why + ".");
     };
     note(outside, "outside of the solid", "too sparse to be closed, or stray");
     note(inside, "deep within the solid", "if they are the wall of a cavity, it was filled");
@@ -287,21 +292,20 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     for (const double v : volume) total += v, largest = std::max(largest, v), filled += std::max(v, 0.0);
     if (!(total > 0.0)) refuse();
     std::size_t specks = 0, pinholes = 0, solids = 0, cavities = 0;
-    double speck_volume = 0.0, pinhole_volume = 0.0;
-    const auto is_small = [&](double v) { return std::abs(v) < options.speck_fraction * total; };
+    std::array<double, 2> small{};  // volume of all that may be bubbles, and specks
+    const double limit = options.speck_fraction * total;
+    const auto is_small = [&](double v) { return std::abs(v) < limit; };
     for (const double v : volume) {
-        if (is_small(v)) (v > 0 ? speck_volume : pinhole_volume) += std::abs(v);
+        if (is_small(v)) small[v > 0] += std::abs(v);
     }
-    const bool drops_specks = speck_volume <= most_specks * total,
-               drops_pinholes = pinhole_volume <= most_specks * total;
+    double removed = 0.0;
     std::vector<char> kept(part.count);
     for (int p = 0; p < part.count; ++p) {
-        const bool is_solid = volume[p] > 0;
-        kept[p] = volume[p] != 0.0 && !(is_small(volume[p]) && (is_solid ? drops_specks : drops_pinholes));
-        if (is_solid) ++(kept[p] ? solids : specks);
-        if (!is_solid) ++(kept[p] ? cavities : pinholes);
+        const double v = volume[p];
+        kept[p] = !is_small(v) || (v != 0.0 && small[v > 0] > most_specks * limit);
+        if (!kept[p]) removed += std::abs(v);
+        ++(v > 0 ? (kept[p] ? solids : specks) : (kept[p] ? cavities : pinholes));
     }
-    const double removed = (drops_specks ? speck_volume : 0.0) + (drops_pinholes ? pinhole_volume : 0.0);
     std::vector<std::array<int, 3>> triangles;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (kept[part.of_triangle[t]]) triangles.push_back(mesh.triangles[t]);
@@ -309,11 +313,10 @@ Solid finished_solid(TriangleMesh mesh, const std::filesystem::path& file, const
     mesh.triangles = std::move(triangles);
     clean(mesh);
     if (specks + pinholes > 0) {
-        const std::string bubbles = count(pinholes, "bubble");
-        notes.push_back("Removed " + (specks == 0 ? bubbles : count(specks, "speck")) +
-                        (specks > 0 && pinholes > 0 ? " and " + bubbles : "") + ", together " +
-                        (removed < 1e-4 * total ? "less than 0.01" : number(100.0 * removed / total, "%.2g")) +
-                        " % of the volume.");
+        notes.push_back(
+            "Removed " + either_or_both(specks, count(specks, "speck"), pinholes, count(pinholes, "bubble")) +
+            ", together " + (removed < 1e-4 * total ? "less than 0.01" : number(100.0 * removed / total, "%.2g")) +
+            " % of the volume.");
     }
     if (solids > 1) {
         notes.push_back("The object has " + count(solids, "separate part") + "; the largest holds " +
@@ -341,10 +344,11 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
         throw ReadError(file, "no triangle has an area", "export the surface again, in a format that keeps its faces");
     }
     if (cleaned.degenerate_triangles + cleaned.repeated_triangles > 0) {
-        const std::string repeated = count(cleaned.repeated_triangles, "repeated triangle");
-        const std::size_t n = cleaned.degenerate_triangles;
-        notes.push_back("Dropped " + (n == 0 ? repeated : count(n, "triangle") + " with two equal corners") +
-                        (n > 0 && cleaned.repeated_triangles > 0 ? " and " + repeated : "") + ".");
+        const std::size_t m = cleaned.degenerate_triangles, n = cleaned.repeated_triangles;
+        notes.push_back(
+            "Dropped " +
+            either_or_both(m, count(m, "triangle") + " with two equal corners", n, count(n, "repeated triangle")) +
+            ".");
     }
     Patches patch = patches(mesh);
     const std::size_t turned = orient_patches(mesh, patch);
@@ -496,7 +500,7 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
     };
     judge_new_surface(new_surface(rebuilt, is_new), size, file, options, notes);
     Solid solid = finished_solid(std::move(rebuilt), file, options, std::move(notes));
-    note_unused_points(cloud.points, solid, 2.0 * radius, size, solid.notes);
+    note_unused_points(cloud.points, 2.0 * radius, size, solid);
     return solid;
 }
 

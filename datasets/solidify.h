@@ -12,7 +12,7 @@ namespace morphodesic::datasets {
 struct SolidifyOptions {
     double close_gaps = 0.6;        ///< widest hole that is closed, as a share of the diagonal of the bounding box;
                                     ///< from 1 on also one-sided scans are closed, >= 0
-    double speck_fraction = 0.002;  ///< smaller parts and cavities are removed, unless they are 1 % together; [0, 1)
+    double speck_fraction = 0.002;  ///< smaller parts and cavities are removed, unless five times that together; [0, 1)
     bool smooth_noise = true;       ///< surfaces with noise are smoothed
     int cells = 144;                ///< along the longest side of the box in which damaged surfaces are rebuilt, >= 16
 };

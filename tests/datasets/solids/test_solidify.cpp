@@ -332,6 +332,14 @@ TEST(Solidify, SpecksAreRemoved) {
     const Solid solid = solid_from_triangles(two, "speck", coarse());
     EXPECT_EQ(patches(solid.mesh, true).count, 1);
     EXPECT_THAT(solid.notes, Contains("Removed 1 speck, together 0.027 % of the volume."));
+    // Of any size that is asked for.
+    SolidifyOptions generous = coarse();
+    generous.speck_fraction = 0.05;
+    const TriangleMesh larger = joined(ball_mesh(middle, radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.1, 3));
+    EXPECT_EQ(patches(solid_from_triangles(larger, "part", coarse()).mesh, true).count, 2);
+    const Solid alone = solid_from_triangles(larger, "speck", generous);
+    EXPECT_EQ(patches(alone.mesh, true).count, 1);
+    EXPECT_THAT(alone.notes, Contains(HasSubstr("Removed 1 speck, together 3.5 % of the volume.")));
 }
 
 TEST(Solidify, ManySmallPartsAreNoSpecks) {
