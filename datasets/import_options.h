@@ -43,6 +43,6 @@ struct ImportOptions {
 
 /// Part of what says whether a stored solid is that of its file. To be raised when a change of the readers or of the
 /// repair changes solids, so that a study reads its files again and does not mix both.
-inline constexpr int solid_reader_revision = 5;
+inline constexpr int solid_reader_revision = 6;
 
 }  // namespace morphodesic::datasets

@@ -37,6 +37,12 @@ struct Solid {
 /// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});
 
+/// The route of open, non-manifold and one-sided surfaces whose patches face outward already.
+/// @param what  a note begins with it: what the surface is like
+/// @throws ReadError if nothing is enclosed, or too much would be made up
+Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, const std::filesystem::path& file,
+                                const SolidifyOptions& options, std::vector<std::string> notes);
+
 /// From points spread over a surface to a solid: morphological closing. The inside is what a ball that fits through no
 /// gap between the points cannot reach from outside.
 /// @throws ReadError if nothing is enclosed or there are too few points

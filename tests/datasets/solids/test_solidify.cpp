@@ -266,7 +266,7 @@ TEST(Solidify, FlatAndOneSidedScansAreRefused) {
     EXPECT_THAT(refusal([&] { solid_from_triangles(flat, "flat", coarse()); }), HasSubstr("flat"));
     EXPECT_THAT(refusal([&] { solid_from_triangles(bump, "bump", coarse()); }), HasSubstr("one side"));
     EXPECT_THAT(refusal([&] { solid_from_points(flat.points, "flat", coarse()); }), HasSubstr("flat"));
-    EXPECT_THAT(refusal([&] { solid_from_points(bump.points, "bump", coarse()); }), HasSubstr("enclose no volume"));
+    EXPECT_THAT(refusal([&] { solid_from_points(bump.points, "bump", coarse()); }), HasSubstr("one side only"));
     EXPECT_THAT(refusal([&] {
                     solid_from_points({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, "few", coarse());
                 }),
@@ -276,7 +276,7 @@ TEST(Solidify, FlatAndOneSidedScansAreRefused) {
 TEST(Solidify, PointCloudOfABall) {
     const TriangleMesh ball = ball_mesh(middle, radius, 4);
     const Solid solid = solid_from_points(ball.points, "cloud", coarse());
-    EXPECT_NEAR(solid.volume, ball_volume, 0.06 * ball_volume);
+    EXPECT_NEAR(solid.volume, ball_volume, 0.015 * ball_volume);
     EXPECT_LT(norm(solid.centroid - middle), 0.003);
     EXPECT_TRUE(topology(solid.mesh).closed());
 }
@@ -289,7 +289,10 @@ TEST(Solidify, PointsThatNoSolidHasAreSaid) {
         return solid_from_points(points, "cloud", coarse()).notes;
     };
     EXPECT_THAT(solid_from_points(ball, "ball", coarse()).notes, testing::SizeIs(1));
-    EXPECT_THAT(notes_with(ball_mesh({1.0, 0.5, 0.5}, 0.1, 2)), Contains(HasSubstr("66 points (1.6 %) lie outside")));
+    TriangleMesh wire;
+    for (int i = 0; i < 66; ++i)
+        wire.points.push_back({0.9, 0.5 + 0.1 * std::cos(0.1 * i), 0.5 + 0.1 * std::sin(0.1 * i)});
+    EXPECT_THAT(notes_with(wire), Contains(HasSubstr("66 points (1.6 %) lie outside")));
     EXPECT_THAT(notes_with(ball_mesh(middle, 0.15, 4)), Contains(HasSubstr("1026 points (20.0 %) lie deep within")));
 }
 
@@ -302,13 +305,7 @@ TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
         }
         return "accepted";
     };
-    // A ball that stood on a floor: the opening is four fifths of it wide.
-    std::vector<Vector3> cut = ball_mesh(middle, radius, 4).points;
-    std::erase_if(cut, [](const Vector3& p) { return p[2] < middle[2] - 0.6 * radius; });
-    SolidifyOptions wide = coarse();
-    wide.close_gaps = 1.0;
-    EXPECT_THAT(refusal(cut, wide), testing::AllOf(HasSubstr("leave an opening"), HasSubstr("make a mesh")));
-    // A smaller one, which only the option forbids.
+    // An opening that only the option forbids.
     std::vector<Vector3> holed = ball_mesh(middle, radius, 5).points;
     std::erase_if(holed, [](const Vector3& p) { return p[2] < middle[2] - 0.92 * radius; });
     SolidifyOptions strict = coarse();
@@ -319,8 +316,8 @@ TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> share;
     for (int i = 0; i < 22000; ++i) {
-        Vector3 p{100 * share(random), 100 * share(random), 3 * share(random)};
-        if (i < 20000) p[2] = i % 2 * 3;
+        Vector3 p{100 * share(random), 100 * share(random), share(random)};
+        if (i < 20000) p[2] = i % 2;
         if (i >= 20000) p[i % 2] = i / 2 % 2 * 100;
         plate.push_back(p);
     }
