@@ -22,6 +22,9 @@ std::vector<std::string> ImportOptions::problems() const {
     if (border != "free" && border != "hides") result.push_back("border must be free or hides, not \"" + border + "\"");
     if (!(close_gaps >= 0.0 && std::isfinite(close_gaps))) result.push_back("close-gaps must not be negative");
     if (!(max_megabytes > 0.0 && std::isfinite(max_megabytes))) result.push_back("max-megabytes must be positive");
+    if (inside != "auto" && inside != "above" && inside != "below") {
+        result.push_back("inside must be auto, above or below, not \"" + inside + "\"");
+    }
     double value = 0.0;
     if (isovalue != "auto" && !(TextScan::number(isovalue, value) && std::isfinite(value))) {
         result.push_back("isovalue must be auto or a number, not \"" + isovalue + "\"");

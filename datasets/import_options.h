@@ -18,7 +18,9 @@ struct ImportOptions {
     std::string noise = "smooth";  ///< smooth | keep: what is done with the noise of scanned surfaces
     std::string mirror;            ///< solids to be mirrored: file names or patterns with *, separated by commas
     std::string isovalue =
-        "auto";  ///< value at the surface of a volume, inside above; auto: 0 of a level set, else 0.5
+        "auto";                   ///< value at the surface of a volume, inside above; auto: 0 of a level set, else 0.5
+    std::string inside = "auto";  ///< auto | above | below: which side of the isovalue of a volume is the object; auto:
+                                  ///< above, refused where nearly all of the volume's border is
     double max_megabytes = 1000.0;  ///< larger meshes, point clouds and volumes are refused, > 0
 
     template <class Self, class Visitor>
@@ -34,6 +36,8 @@ struct ImportOptions {
         visit("noise", self.noise, "noise of scanned surfaces: smooth (only what is noise, not detail) or keep");
         visit("mirror", self.mirror, "solids to be mirrored: names or patterns with *, separated by commas");
         visit("isovalue", self.isovalue, "value at the surface of a volume; inside is above it");
+        visit("inside", self.inside,
+              "the object of a voxel volume: above the isovalue, below it, or auto (above, unless its border is)");
         visit("max-megabytes", self.max_megabytes, "refuse solids whose files are larger than this many megabytes");
     }
     /// Every violated constraint, in words; empty if the options are usable.

@@ -88,14 +88,16 @@ ScalarField<3> SolidGeometry::occlusion_mask(const DyadicGrid<3>& grid, const Pl
 namespace {
 
 /// Triangles of a closed mesh that lie off the triangles of the scan it was made from.
-std::vector<std::size_t> invented_triangles(const TriangleMesh& closed, const TriangleMesh& scan) {
+/// @param spacing  of the points of a cloud: where they lie a little farther apart nothing is missing
+std::vector<std::size_t> invented_triangles(const TriangleMesh& closed, const TriangleMesh& scan, double spacing) {
     const Box3 box = bounding_box(closed.points);
     const double cell = std::max({box.side()[0], box.side()[1], box.side()[2]}) / SolidifyOptions{}.cells;
+    const double off = std::max(1.5 * cell, 2.0 * spacing);
     const TriangleTree tree(scan);
     std::vector<char> is_new(closed.triangles.size(), 0);
     tbb::parallel_for(std::size_t{0}, is_new.size(), [&](std::size_t t) {
         const auto c = closed.corners(t);
-        is_new[t] = tree.nearest((1.0 / 3.0) * (c[0] + c[1] + c[2]), 1.5 * cell).distance >= 1.5 * cell ? 1 : 0;
+        is_new[t] = tree.nearest((1.0 / 3.0) * (c[0] + c[1] + c[2]), off).distance >= off ? 1 : 0;
     });
     std::vector<std::size_t> result;
     for (std::size_t t = 0; t < is_new.size(); ++t) {
@@ -114,6 +116,7 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
     solidify.smooth_noise = options.noise == "smooth";
     MeshFile file;
     bool is_level = false;  // bounded by a level of a volume
+    TriangleMesh seen;      // what of the surface was in the file, if that is not all
     if (is_point_cloud(source.path)) {
         file.mesh.points = read_point_cloud(source.path, options.max_megabytes, file.notes);
     } else if (is_vdb(source.path)) {
@@ -121,22 +124,23 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
         is_level = true;
     } else if (is_volume(source.path)) {
         Volume volume = read_volume(source.path, options.max_megabytes);
-        file.mesh = surface_of(source.path, volume, options.isovalue);
+        VolumeSurface surface = surface_of(source.path, volume, options.isovalue, options.inside);
+        file.mesh = std::move(surface.mesh);
+        seen = std::move(surface.seen);
         file.notes = std::move(volume.notes);
         is_level = true;
     } else {
         file = read_mesh(source.path, options.max_megabytes);
     }
-    TriangleMesh scan;
-    if (options.border == "hides" && !is_level && !file.mesh.triangles.empty() && !topology(file.mesh).closed()) {
-        scan = file.mesh;
-    }
+    const bool hides = options.border == "hides";
+    if (hides && !is_level && !file.mesh.triangles.empty() && !topology(file.mesh).closed()) seen = file.mesh;
     Solid solid = is_level && topology(file.mesh).closed()
                       ? finished_solid(std::move(file.mesh), source.path, solidify, {})
                   : file.mesh.triangles.empty() ? solid_from_points(std::move(file.mesh.points), source.path, solidify)
                                                 : solid_from_triangles(std::move(file.mesh), source.path, solidify);
+    if (!solid.drawn.triangles.empty() && !topology(solid.drawn).closed()) seen = std::move(solid.drawn);
     std::vector<std::size_t> invented;
-    if (!scan.triangles.empty()) invented = invented_triangles(solid.mesh, scan);
+    if (hides && !seen.triangles.empty()) invented = invented_triangles(solid.mesh, seen, solid.spacing);
     const std::vector<std::string_view> mirrored = patterns_of(options.mirror);
     if (std::any_of(mirrored.begin(), mirrored.end(), [&](auto pattern) { return fits(source.name, pattern); })) {
         mirror(solid.mesh);

@@ -243,7 +243,8 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
     }
     const Turned outward = turn_patches_outward(mesh, patch, TriangleTree(mesh));
     if (outward.turned > 0)
-        notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed their inner side.");
+        notes.push_back("Turned " + count(outward.turned, "triangle") + " that showed " +
+                        (outward.turned == 1 ? "its" : "their") + " inner side.");
     if (outward.hidden > 0)
         notes.push_back("Left out " + count(outward.hidden, "triangle") + " of walls within the solid.");
     if (outward.filled_cavity) notes.emplace_back("An inner cavity was filled, as its wall is too open.");
@@ -261,11 +262,20 @@ Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, cons
     const TriangleTree tree(mesh);
     TriangleMesh rebuilt = rebuilt_open(tree, lattice, distance);
     if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
-    // New is what lies away from all triangles, and the back that a one-sided sheet would need.
+    // New is what lies away from all triangles, and the back that a one-sided sheet would need. Single triangles of a
+    // noisy surface face anywhere, so several are asked.
     const auto is_new = [&](const Piece& piece, double& gap) {
-        const auto nearest = tree.nearest(piece.centre, 2.0 * box.diagonal());
-        gap = nearest.distance;
-        return nearest.distance > 1.5 * h || dot(nearest.area_vector, piece.normal) < -0.3 * norm(nearest.area_vector);
+        const double far = 2.0 * box.diagonal();
+        gap = tree.nearest(piece.centre, far).distance;
+        if (gap > 1.5 * h) return true;
+        Vector3 facing{};
+        for (int side = 0; side < 6; ++side) {
+            Vector3 x = piece.centre;
+            x[side / 2] += side % 2 == 0 ? h : -h;
+            const Vector3 n = tree.nearest(x, far).area_vector;
+            if (norm(n) > 0) facing = facing + (1.0 / norm(n)) * n;
+        }
+        return dot(facing, piece.normal) < -0.3 * norm(facing);
     };
     judge_new_surface(new_surface(rebuilt, is_new), box.diagonal(), file, options, notes);
     // What closes a hole goes on from its rim without an edge. Away from holes the rebuilt points lie on the triangles.

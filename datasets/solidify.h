@@ -23,6 +23,8 @@ struct Solid {
     double volume = 0.0;  ///< > 0
     Vector3 centroid{};
     std::vector<std::string> notes;  ///< what was done, one sentence each
+    TriangleMesh drawn;              ///< triangles between the points of a cloud; none if they were not joined
+    double spacing = 0.0;            ///< typical one of these points
 };
 
 /// From triangles in any state to a solid.

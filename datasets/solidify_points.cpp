@@ -115,6 +115,7 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
     what += " was joined to triangles";
     spacing = typical_spacing(mesh.points);
     clean(mesh);
+    TriangleMesh drawn = mesh;
     Solid solid;
     if (topology(mesh).closed()) {
         solid = solid_from_triangles(std::move(mesh), file, options);
@@ -129,6 +130,8 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
     const UnusedPoints unused = unused_points(points, solid.mesh, far, deep);
     if (static_cast<double>(unused.off) > most_off * static_cast<double>(points.size())) return std::nullopt;
     note_unused(unused, points.size(), solid);
+    solid.drawn = std::move(drawn);
+    solid.spacing = spacing;
     return solid;
 }
 

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <memory>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "datasets/interruption.h"
 #include "datasets/nifti_reader.h"
@@ -26,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t most_nodes = 512LL * 512 * 512;
 constexpr std::size_t best_compression = 1100;  // deflate makes at most 1032 bytes of one
+constexpr double most_border = 0.75;            // of the border's voxels: where more are inside, it is the background
 constexpr const char* again = "export or download the file again";
 
 template <class T>
@@ -63,6 +66,22 @@ float chosen_isovalue(const fs::path& file, const Volume& volume, const std::str
     std::snprintf(text, sizeof text, "its values run from %g to %g and nothing says which of them is the surface", low,
                   high);
     throw ReadError(file, text, "name it with --isovalue (inside is above it)");
+}
+
+/// Share of the voxels at the border of the volume that are inside.
+double share_of_border(const Volume& volume, float iso) {
+    std::size_t inside = 0, all = 0, n = 0;
+    for (int k = 0; k < volume.nodes[2]; ++k) {
+        for (int j = 0; j < volume.nodes[1]; ++j) {
+            const bool whole_row = k == 0 || k == volume.nodes[2] - 1 || j == 0 || j == volume.nodes[1] - 1;
+            for (int i = 0; i < volume.nodes[0]; ++i, ++n) {
+                if (!whole_row && i != 0 && i != volume.nodes[0] - 1) continue;
+                ++all;
+                inside += volume.values[n] > iso ? 1 : 0;
+            }
+        }
+    }
+    return static_cast<double>(inside) / static_cast<double>(all);
 }
 
 }  // namespace
@@ -237,7 +256,7 @@ std::string inflated(const fs::path& file, std::string_view stream, std::size_t 
     return result.substr(skipped, layout.byte_count());
 }
 
-TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string& isovalue) {
+VolumeSurface surface_of(const fs::path& file, Volume& volume, const std::string& isovalue, const std::string& inside) {
     float low = INFINITY, high = -INFINITY;
     std::size_t unknown = 0;
     for (const float v : volume.values) {
@@ -253,7 +272,21 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
         volume.notes.push_back(std::to_string(unknown) + " voxels without a finite number count as outside.");
         for (float& v : volume.values) v = std::isfinite(v) ? v : NAN;
     }
-    const float iso = chosen_isovalue(file, volume, isovalue, low, high);
+    float iso = chosen_isovalue(file, volume, isovalue, low, high);
+    if (inside == "below") {
+        for (float& v : volume.values) v = -v;
+        iso = -iso;
+        std::tie(low, high) = std::pair(-high, -low);
+    } else if (inside == "auto") {
+        if (const double share = share_of_border(volume, iso); share > most_border) {
+            char text[160];
+            std::snprintf(text, sizeof text,
+                          "%.0f %% of its border is above the surface's value %g, so it seems to be the background "
+                          "that is above it",
+                          100.0 * share, iso);
+            throw ReadError(file, text, "say --inside below; or --inside above, if the object fills the whole volume");
+        }
+    }
 
     // Only the part around the object, with a margin that is outside.
     std::array<int, 3> first = volume.nodes, last{-1, -1, -1};
@@ -300,14 +333,25 @@ TriangleMesh surface_of(const fs::path& file, Volume& volume, const std::string&
             }
         }
     }
-    TriangleMesh mesh = isosurface(lattice, values);
+    VolumeSurface result{isosurface(lattice, values), {}};
+    TriangleMesh& mesh = result.mesh;
+    if (is_cut) {
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const auto c = mesh.corners(t);
+            const Vector3 centre = (1.0 / 3.0) * (c[0] + c[1] + c[2]);
+            bool beyond = false;
+            for (int a = 0; a < 3; ++a) beyond |= centre[a] < 0 || centre[a] > volume.nodes[a] - 1;
+            if (!beyond) result.seen.triangles.push_back(mesh.triangles[t]);
+        }
+    }
     for (auto& p : mesh.points) {
         p = volume.origin + p[0] * volume.step[0] + p[1] * volume.step[1] + p[2] * volume.step[2];
     }
     if (dot(volume.step[0], cross(volume.step[1], volume.step[2])) < 0) {
         turn_inside_out(mesh);
     }
-    return mesh;
+    if (is_cut) result.seen.points = mesh.points;
+    return result;
 }
 
 bool is_volume(const fs::path& file) {

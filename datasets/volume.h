@@ -61,10 +61,17 @@ std::string inflated(const std::filesystem::path& file, std::string_view stream,
 /// @throws ReadError  the header promises fewer numbers than there are
 [[noreturn]] void refuse_surplus(const std::filesystem::path& file, const VoxelLayout& layout);
 
+/// A closed surface, and what of it is not the flat cut at the border of the volume.
+struct VolumeSurface {
+    TriangleMesh mesh;
+    TriangleMesh seen;  ///< without the cut; no triangles if nothing is cut off
+};
 /// Closed surface of {value > isovalue}; where the object reaches the border of the volume it is cut off flat.
 /// @param isovalue  a number, or "auto": midway for masks (two values) and for shares between 0 and 1
-/// @throws ReadError if auto cannot know the value, or no surface has it
-TriangleMesh surface_of(const std::filesystem::path& file, Volume& volume, const std::string& isovalue);
+/// @param inside    above, below (the isovalue), or auto: above, if the border of the volume does not contradict
+/// @throws ReadError if auto cannot know the value or the side, or no surface has it
+VolumeSurface surface_of(const std::filesystem::path& file, Volume& volume, const std::string& isovalue,
+                         const std::string& inside = "auto");
 
 /// True for the volumes read here: .nii, .nii.gz, .nrrd, .nhdr, .mhd, .mha.
 bool is_volume(const std::filesystem::path& file);

@@ -189,8 +189,9 @@ void CommandLine::add_settings(CLI::App* command, RunSettings& settings, bool wi
     };
     if (with_import) {
         RunSettings::for_each_field(settings, add);
-        for (const char* name : {"--dimension", "--close-gaps", "--noise", "--mirror", "--isovalue", "--max-megabytes",
-                                 "--labels", "--foreground", "--speck-fraction", "--max-megapixels", "--normalize"}) {
+        for (const char* name :
+             {"--dimension", "--close-gaps", "--noise", "--mirror", "--isovalue", "--inside", "--max-megabytes",
+              "--labels", "--foreground", "--speck-fraction", "--max-megapixels", "--normalize"}) {
             command->get_option(name)->group("Shapes");
         }
     } else {

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             mesh = datasets::read_vdb_surface(file, "auto", max_megabytes, notes);
         } else {
             datasets::Volume volume = datasets::read_volume(file, max_megabytes);
-            mesh = datasets::surface_of(file, volume, "auto");
+            mesh = datasets::surface_of(file, volume, "auto", data[0] % 2 == 0 ? "above" : "below").mesh;
         }
         for (const auto& point : mesh.points) {
             for (const double x : point) {

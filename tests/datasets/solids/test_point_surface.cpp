@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
 
+#include "datasets/import.h"
 #include "datasets/point_surface.h"
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
@@ -107,6 +110,25 @@ TEST(CloudSolid, FlatCutsAreClosed) {
         EXPECT_GT(solid.volume, ball_volume - cap);
         EXPECT_LT(solid.volume, 1.02 * ball_volume);
     }
+}
+
+/// For classify: an opening is unknown, a pinhole between points is not.
+TEST(CloudSolid, OnlyOpeningsAreUnknown) {
+    const FileFolder folder;
+    ImportOptions options;
+    options.border = "hides";
+    const auto unknown = [&](double below) {
+        std::string text;
+        for (const auto& p : sphere_points(3000, below)) {
+            text += std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+        }
+        const RawShape<3> cloud = read_shape<3>(single_source(folder.write("cloud.xyz", text)), options);
+        const DyadicGrid<3> grid(4);
+        const ScalarField<3> chi = cloud.geometry->occlusion_mask(grid, {0.3 / radius, {0.5, 0.5, 0.5}});
+        return std::any_of(chi.values.begin(), chi.values.end(), [](double x) { return x == 0.0; });
+    };
+    EXPECT_FALSE(unknown(1e9));
+    EXPECT_TRUE(unknown(0.5 * radius));
 }
 
 TEST(CloudSolid, OneSideIsRefusedUnlessAskedFor) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <numbers>
 #include <random>
 
@@ -271,6 +272,22 @@ TEST(Solidify, FlatAndOneSidedScansAreRefused) {
                     solid_from_points({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, "few", coarse());
                 }),
                 HasSubstr("too few"));
+}
+
+/// Triangles of a noisy surface face anywhere; that is no reason to think that the other side is missing.
+TEST(Solidify, NoiseMakesNoHoles) {
+    TriangleMesh scan = ball_mesh(middle, radius, 6);
+    std::erase_if(scan.triangles, [&](const auto& t) { return scan.points[t[0]][2] > middle[2] + 0.9 * radius; });
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0.0, 0.005);
+    for (auto& p : scan.points) {
+        for (double& x : p) x += noise(random);
+    }
+    const Solid solid = solid_from_triangles(scan, "scan");
+    double share = 0.0;
+    for (const std::string& note : solid.notes) std::sscanf(note.c_str(), "Holes were closed: %lf", &share);
+    EXPECT_GT(share, 3.0);
+    EXPECT_LT(share, 7.0);  // in truth 5 %
 }
 
 TEST(Solidify, PointCloudOfABall) {

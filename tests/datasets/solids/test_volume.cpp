@@ -164,6 +164,48 @@ TEST(Volume, MasksNeedNoIsovalueAndUnitsAreTurnedIntoMillimetres) {
     EXPECT_THAT(refusal(folder.path() / "grey.nii", at("5000")), HasSubstr("no surface at 5000"));
 }
 
+/// A dark object before a bright background would be its box with a cavity.
+TEST(Volume, TheBackgroundIsNotTheObject) {
+    const FileFolder folder;
+    std::string mask = ball_values<std::uint8_t>(false, true);
+    for (char& v : mask) v = static_cast<char>(1 - v);
+    const auto file = folder.write("dark.nii", nifti(mask, 2, 8));
+    EXPECT_THAT(refusal(file, {}), testing::AllOf(HasSubstr("background"), HasSubstr("--inside below")));
+    ImportOptions options;
+    options.inside = "below";
+    expect_ball(read_shape<3>(single_source(file), options), centre, 0.04);
+    options.inside = "above";
+    EXPECT_THAT(read_shape<3>(single_source(file), options).notes, Contains(HasSubstr("hollow")));
+    options.inside = "left";
+    EXPECT_THAT(options.problems(), Contains(HasSubstr("inside must be")));
+}
+
+/// The plane of the cut is not where the object ends.
+TEST(Volume, WhatTheBorderHidesIsUnknown) {
+    const FileFolder folder;
+    std::string cut = nifti(ball_values<std::int16_t>(), 4, 16);
+    const std::int16_t few = 14;  // of the 20 slices, so that the ball is cut in its middle
+    std::memcpy(cut.data() + 46, &few, 2);
+    cut.resize(352 + 2UL * nodes[0] * nodes[1] * few);
+    const auto file = folder.write("cut.nii", cut);
+    const DyadicGrid<3> grid(4);
+    const auto hidden = [&](const std::string& border) {
+        ImportOptions options = at("500");
+        options.border = border;
+        const RawShape<3> shape = read_shape<3>(single_source(file), options);
+        Placement<3> placement;
+        placement.scale = 0.04;
+        for (int a = 0; a < 3; ++a) placement.offset[a] = 0.5 - placement.scale * centre[a];
+        return shape.geometry->occlusion_mask(grid, placement);
+    };
+    EXPECT_TRUE(hidden("free").values.empty());
+    const ScalarField<3> chi = hidden("hides");
+    ASSERT_FALSE(chi.values.empty());
+    const int half = grid.cells_per_axis() / 2;
+    EXPECT_EQ(chi.values[grid.index({half, half, half + 4})], 0.0);  // beyond the cut
+    EXPECT_EQ(chi.values[grid.index({half, half, half - 4})], 1.0);  // below the ball
+}
+
 /// An axis that runs backwards does not mirror the object: its place says where it is.
 TEST(Volume, AxesOfTheFileAreHonoured) {
     const FileFolder folder;
