@@ -102,8 +102,9 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
     const Box3 box = bounding_box(points);
     double spacing = typical_spacing(points);
     // More points than the grid can show cost time, and where noise is wider than their distances triangles are a mess.
+    // Copies of a point, a rounding apart, are no neighbours.
     const double finest = 0.5 * box.longest_side() / options.cells;
-    PointSurface surface = surface_through(spacing < finest ? thinned(points, finest) : points);
+    PointSurface surface = surface_through(thinned(points, spacing < finest ? finest : 0.2 * spacing));
     for (int round = 0; round < 3 && surface.unevenness > most_uneven; ++round) {
         spacing = typical_spacing(surface.mesh.points);
         surface = surface_through(thinned(surface.mesh.points, 1.4 * spacing));
@@ -111,7 +112,7 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
     TriangleMesh& mesh = surface.mesh;
     if (mesh.triangles.empty()) return std::nullopt;
     std::string what = "A cloud of " + count(points.size(), "point");
-    if (mesh.points.size() < points.size()) what += ", thinned to " + std::to_string(mesh.points.size()) + ",";
+    if (10 * mesh.points.size() < 9 * points.size()) what += ", thinned to " + std::to_string(mesh.points.size()) + ",";
     what += " was joined to triangles";
     spacing = typical_spacing(mesh.points);
     clean(mesh);
@@ -157,6 +158,61 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
                     "use points from all sides of the object");
 }
 
+/// What a ball that fits through no gap between the points cannot reach from outside.
+/// @param refusal  what the triangles between them were refused for, if they were
+/// @throws ReadError if it reaches everything
+Solid rolled_around(const std::vector<Vector3>& points, const std::optional<ReadError>& refusal,
+                    const std::filesystem::path& file, const SolidifyOptions& options, std::vector<std::string> notes) {
+    const double typical = typical_spacing(points);
+    const Box3 box = bounding_box(points);
+    const double size = box.diagonal();
+    // From the typical gap between points up to the widest that may be closed; the first that holds tight: a ball a
+    // quarter larger finds (almost) the same solid, so no leak was left.
+    const double longest = box.longest_side();
+    const double widest = std::min(0.5 * options.close_gaps * size, largest_ball * longest);
+    double radius = 0.0, tight_volume = 0.0;
+    {
+        const Lattice coarse = lattice_around(box, longest / 72, widest);
+        const std::vector<float> distance = distance_to_points(coarse, points);
+        Closing before = closing(coarse, distance, typical);
+        for (double r = typical; r <= widest && radius == 0.0;) {
+            const double next = 1.25 * r;
+            Closing after = closing(coarse, distance, next);
+            if (before.has_core && after.volume <= 1.2 * before.volume) radius = r, tight_volume = before.volume;
+            before = std::move(after);
+            r = next;
+        }
+    }
+    if (radius == 0.0) refuse_points(points, typical, refusal, file);
+    const double h = std::max(longest / options.cells, radius / 8.0);
+    const Lattice lattice = lattice_around(box, h, 2.0 * radius);
+    const std::vector<float> distance = distance_to_points(lattice, points);
+    Closing closed = closing(lattice, distance, radius);
+    for (int round = 0; round < 5 && closed.volume < 0.85 * tight_volume; ++round) {  // a leak the coarse nodes hid
+        radius *= 1.12;
+        closed = closing(lattice, distance, radius);
+    }
+    TriangleMesh rebuilt = isosurface(lattice, closed.values);
+    notes.push_back("A cloud of " + count(points.size(), "point") + "; the inside is what a ball of radius " +
+                    percent(radius / size) + " of the object's size cannot reach between them.");
+    if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    const auto is_new = [&](const Piece& piece, double& gap) {
+        std::array<int, 3> node;
+        for (int a = 0; a < 3; ++a) node[a] = static_cast<int>(std::lround((piece.centre[a] - lattice.origin[a]) / h));
+        gap = distance[lattice.index(node[0], node[1], node[2])];
+        return gap > 2.0 * typical;
+    };
+    judge_new_surface(new_surface(rebuilt, is_new), size, file, options, notes);
+    Solid solid = finished_solid(std::move(rebuilt), file, options, std::move(notes));
+    const double far = 2.0 * radius, deep = std::max(far, deep_inside * size);
+    note_unused(unused_points(points, solid.mesh, far, deep), points.size(), solid);
+    return solid;
+}
+
+int parts_of(const Solid& solid) {
+    return patches(solid.mesh, true).count;
+}
+
 }  // namespace
 
 Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path& file,
@@ -170,57 +226,22 @@ Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path
                         "use a denser point cloud or a mesh");
     }
     refuse_flat(cloud.points, file);
+    std::optional<Solid> joined;
     std::optional<ReadError> refusal;
     try {
-        if (auto solid = solid_between_neighbours(cloud.points, file, options, notes)) return *std::move(solid);
+        joined = solid_between_neighbours(cloud.points, file, options, notes);
     } catch (const ReadError& error) {
         refusal = error;
     }
-    // Points that lie on no surface, or too sparsely on it, as on a thin part: a ball rolls around all of them.
-    const double typical = typical_spacing(cloud.points);
-    const Box3 box = bounding_box(cloud.points);
-    const double size = box.diagonal();
-    // From the typical gap between points up to the widest that may be closed; the first that holds tight: a ball a
-    // quarter larger finds (almost) the same solid, so no leak was left.
-    const double longest = box.longest_side();
-    const double widest = std::min(0.5 * options.close_gaps * size, largest_ball * longest);
-    double radius = 0.0, tight_volume = 0.0;
-    {
-        const Lattice coarse = lattice_around(box, longest / 72, widest);
-        const std::vector<float> distance = distance_to_points(coarse, cloud.points);
-        Closing before = closing(coarse, distance, typical);
-        for (double r = typical; r <= widest && radius == 0.0;) {
-            const double next = 1.25 * r;
-            Closing after = closing(coarse, distance, next);
-            if (before.has_core && after.volume <= 1.2 * before.volume) radius = r, tight_volume = before.volume;
-            before = std::move(after);
-            r = next;
-        }
+    if (joined && parts_of(*joined) == 1) return *std::move(joined);
+    // Points that lie on no surface, or so sparsely on it, as on thin parts, that the triangles fall to pieces.
+    try {
+        Solid rolled = rolled_around(cloud.points, refusal, file, options, std::move(notes));
+        if (!joined || parts_of(rolled) < parts_of(*joined)) return rolled;
+    } catch (const ReadError&) {
+        if (!joined) throw;
     }
-    if (radius == 0.0) refuse_points(cloud.points, typical, refusal, file);
-    const double h = std::max(longest / options.cells, radius / 8.0);
-    const Lattice lattice = lattice_around(box, h, 2.0 * radius);
-    const std::vector<float> distance = distance_to_points(lattice, cloud.points);
-    Closing closed = closing(lattice, distance, radius);
-    for (int round = 0; round < 5 && closed.volume < 0.85 * tight_volume; ++round) {  // a leak the coarse nodes hid
-        radius *= 1.12;
-        closed = closing(lattice, distance, radius);
-    }
-    TriangleMesh rebuilt = isosurface(lattice, closed.values);
-    notes.push_back("A cloud of " + count(cloud.points.size(), "point") + "; the inside is what a ball of radius " +
-                    percent(radius / size) + " of the object's size cannot reach between them.");
-    if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
-    const auto is_new = [&](const Piece& piece, double& gap) {
-        std::array<int, 3> node;
-        for (int a = 0; a < 3; ++a) node[a] = static_cast<int>(std::lround((piece.centre[a] - lattice.origin[a]) / h));
-        gap = distance[lattice.index(node[0], node[1], node[2])];
-        return gap > 2.0 * typical;
-    };
-    judge_new_surface(new_surface(rebuilt, is_new), size, file, options, notes);
-    Solid solid = finished_solid(std::move(rebuilt), file, options, std::move(notes));
-    const double far = 2.0 * radius, deep = std::max(far, deep_inside * size);
-    note_unused(unused_points(cloud.points, solid.mesh, far, deep), cloud.points.size(), solid);
-    return solid;
+    return *std::move(joined);
 }
 
 }  // namespace morphodesic::datasets
