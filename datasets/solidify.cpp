@@ -28,7 +28,7 @@ namespace {
 
 constexpr double rough = 3e-4;            // of the diagonal: less noise moves no distance by a measurable amount
 constexpr double most_correlated = 0.25;  // of bumps about half of whose variance is noise
-constexpr double least_bump = 0.1;        // of the noise: independent errors make bumps of 0.7 of it
+constexpr double least_bump = 0.3;        // of the noise: independent errors make bumps of 0.7 of it
 constexpr double largest_loss = 0.02;     // of the volume: parts that are too thin for the grid stay as they are
 constexpr double most_specks = 5.0;       // of the limit for one, together: more are what the object is made of
 

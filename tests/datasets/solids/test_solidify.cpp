@@ -290,6 +290,28 @@ TEST(Solidify, NoiseMakesNoHoles) {
     EXPECT_LT(share, 7.0);  // in truth 5 %
 }
 
+/// Every tenth triangle is split at the middle of a side, its neighbour is not: no gap, no noise.
+TEST(Solidify, CornersOnTheSidesOfNeighboursAreNoNoise) {
+    SolidifyOptions options;
+    options.cells = 24;
+    for (std::size_t first = 0; first < 10; ++first) {
+        for (std::size_t side = 0; side < 3; ++side) {
+            TriangleMesh box = divided_box_mesh({0, 0, 0}, {1, 1, 1}, 10);
+            const std::size_t count = box.triangles.size();
+            for (std::size_t t = first; t < count; t += 10) {
+                const std::array<int, 3> corner = box.triangles[t];
+                const int a = corner[side], b = corner[(side + 1) % 3], c = corner[(side + 2) % 3];
+                const int between = static_cast<int>(box.points.size());
+                box.points.push_back(0.5 * (box.points[a] + box.points[b]));
+                box.triangles[t] = {a, between, c};
+                box.triangles.push_back({between, b, c});
+            }
+            EXPECT_THAT(solid_from_triangles(box, "box", options).notes, Not(Contains(HasSubstr("smoothed"))))
+                << first << " " << side;
+        }
+    }
+}
+
 TEST(Solidify, PointCloudOfABall) {
     const TriangleMesh ball = ball_mesh(middle, radius, 4);
     const Solid solid = solid_from_points(ball.points, "cloud", coarse());
