@@ -182,6 +182,7 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
     RunFiles tables = tables_of(data, analysed);
     if (analysed.model.shapes.empty()) return folder.write_together(tables);
     analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
+    analysed.model.volume_spread = volume_spread(data, analysed.analysis);
     with_dimension(data.dimension, [&]<int Dim>() {
         const StudyView view = view_of_study(store, data);
         add_thumbnails<Dim>(data, store, view, analysed);

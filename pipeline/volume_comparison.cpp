@@ -6,16 +6,28 @@
 #include "analysis/statistics.h"
 
 namespace morphodesic::pipeline {
+namespace {
+
+std::vector<double> volumes_of(const StudyData& data, const analysis::AnalysisResult& analysed) {
+    std::vector<double> volumes;
+    for (const std::size_t i : analysed.kept) volumes.push_back(data.shapes[i].volume);
+    return volumes;
+}
+
+}  // namespace
+
+double volume_spread(const StudyData& data, const analysis::AnalysisResult& analysed) {
+    const std::vector<double> volumes = volumes_of(data, analysed);
+    if (volumes.empty()) return reports::unknown;
+    const auto [low, high] = std::minmax_element(volumes.begin(), volumes.end());
+    return std::isfinite(*high) && *low > 0.0 ? (*high - *low) / *high : reports::unknown;
+}
 
 std::optional<reports::VolumeComparison> compare_with_volumes(const StudyData& data,
                                                               const analysis::AnalysisResult& analysed) {
     const std::size_t n = analysed.kept.size();
-    if (n < 3) return std::nullopt;
-    std::vector<double> volumes;
-    for (const std::size_t i : analysed.kept) volumes.push_back(data.shapes[i].volume);
-    const auto [low, high] = std::minmax_element(volumes.begin(), volumes.end());
-    if (!(std::isfinite(*high) && *low > 0.0 && *high > 1.01 * *low)) return std::nullopt;
-
+    if (n < 3 || !(volume_spread(data, analysed) > equal_volumes)) return std::nullopt;
+    const std::vector<double> volumes = volumes_of(data, analysed);
     analysis::DistanceMatrix differences(analysed.labels);
     std::vector<double> by_volume, by_distance;
     for (std::size_t i = 0; i < n; ++i) {

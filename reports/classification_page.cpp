@@ -31,10 +31,6 @@ std::string image(const Picture& picture, const std::string& kind, const std::st
            escape_markup(picture.alt.empty() ? alt : picture.alt) + "\">";
 }
 
-std::string percent_text(double share) {
-    return std::isnan(share) ? "–" : short_number(100 * share, 3) + " %";
-}
-
 std::string confusion_table(const ClassificationPage& page) {
     std::string html =
         "<section id=\"confusion\"><h2>Confusion matrix</h2><div class=\"scroll\"><table><thead><tr>"
@@ -90,7 +86,7 @@ std::string query_section(const ClassifiedQuery& q, std::size_t number) {
         html += "<tr><th scope=\"row\">" + escape_markup(row.name) + "</th><td>" + escape_markup(row.label) +
                 "</td><td class=\"num\">" + (row.refined ? "" : "about ") + short_number(row.distance, 4) +
                 "</td><td class=\"num\">" + short_number(row.error, 2) + "</td><td class=\"num\">" +
-                percent_text(row.hidden_share) + "</td></tr>";
+                share_text(row.hidden_share) + "</td></tr>";
     }
     html += "</tbody></table></div>";
     if (q.rows.size() > rows_shown) {

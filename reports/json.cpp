@@ -235,6 +235,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["trust"] = trust_json(m.trust);
     result["paths"] = list(m.paths, path_json);
     result["volumes"] = volumes_json(m.volumes);
+    result["volume_spread"] = number(m.volume_spread);
     result["compare"] = compare_json(m.compare);
     result["settings"] = list(m.settings, setting_json);
     result["versions"] = list(m.versions, setting_json);

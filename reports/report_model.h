@@ -272,6 +272,7 @@ struct ReportModel {
     Trust trust;
     std::vector<PathReport> paths;
     std::optional<VolumeComparison> volumes;
+    double volume_spread = unknown;  ///< (largest - smallest) / largest volume (area) of the shapes
     std::optional<Comparison> compare;
 
     std::vector<Setting> settings;

@@ -116,4 +116,12 @@ std::string short_number(double value, int digits) {
     return buffer;
 }
 
+std::string share_text(double share) {
+    if (!std::isfinite(share)) return "–";
+    const double percent = 100.0 * share;
+    if (std::abs(percent) < 1e-9) return "0 %";  // rounding left something of nothing
+    if (percent > 0 && percent < 0.1) return "< 0.1 %";
+    return short_number(percent, 3) + " %";
+}
+
 }  // namespace morphodesic::reports

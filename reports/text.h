@@ -20,4 +20,7 @@ namespace morphodesic::reports {
 /// Number with so many significant digits; "–" for NaN.
 [[nodiscard]] std::string short_number(double value, int digits = 3);
 
+/// 0.123 -> "12.3 %"; what rounding left of nothing is "0 %", a little is "< 0.1 %", NaN "–".
+[[nodiscard]] std::string share_text(double share);
+
 }  // namespace morphodesic::reports

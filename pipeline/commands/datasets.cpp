@@ -1,6 +1,7 @@
 #include "pipeline/commands/datasets.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "pipeline/commands/summary.h"
 
@@ -74,8 +75,13 @@ int write_queries(const DatasetOptions& options) {
         summary.exit_code = bad_usage;
         summary.lines.emplace_back("No shape could be used.");
     } else {
-        summary.lines.push_back(std::to_string(written.queries) +
-                                (written.queries == 1 ? " query with mask" : " queries with masks") +
+        // Solids are open where a part was taken away: that is all the mask they need.
+        const bool masks = std::any_of(scan.sources.begin(), scan.sources.end(),
+                                       [](const datasets::ShapeSource& source) { return source.dimension == 2; });
+        summary.lines.push_back(std::to_string(written.queries) + (written.queries == 1 ? " query" : " queries") +
+                                (!masks                 ? ", open where a part is hidden,"
+                                 : written.queries == 1 ? " with mask"
+                                                        : " with masks") +
                                 " and truth.csv in " + folder.string());
         summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
                                 options.source.string());

@@ -89,6 +89,8 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     summary.data = to_json(result);
     summary.data["a"] = a.row.name;
     summary.data["b"] = b.row.name;
+    summary.data["notes_a"] = a.row.notes;
+    summary.data["notes_b"] = b.row.notes;
     for (const auto* shape : {&a, &b}) {
         for (const std::string& note : shape->row.notes) summary.lines.push_back(shape->row.name + ": " + note);
     }

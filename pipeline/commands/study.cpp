@@ -270,6 +270,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
                 " computed)";
     }
     summary.lines.push_back(head + " in " + duration_text(seconds));
+    if (!with_report && !solve) summary.add_notes(data.shapes);  // a report has them
     if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
     if (solve) summary.add_missing_pairs(data, at.folder.path());
     if (with_report) {

@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <iostream>
+#include <map>
 
 #include "pipeline/process_limits.h"
 #include "pipeline/standard_streams.h"
@@ -19,6 +20,35 @@ void Summary::add_shortfall(const std::string& sentence) {
     add_remark(sentence);
     shortfalls_.push_back(sentence);
     if (exit_code == all_done) exit_code = some_failed;
+}
+
+void Summary::add_notes(const std::vector<StoredShape>& shapes) {
+    constexpr std::size_t shown = 20, named = 3;
+    auto list = nlohmann::ordered_json::array();
+    std::vector<std::vector<const StoredShape*>> groups;
+    std::map<std::vector<std::string>, std::size_t> group_of;
+    for (const StoredShape& shape : shapes) {
+        if (shape.notes.empty()) continue;
+        list.push_back({{"file", shape.name}, {"notes", shape.notes}});
+        const auto [known, fresh] = group_of.try_emplace(shape.notes, groups.size());
+        if (fresh) groups.emplace_back();
+        groups[known->second].push_back(&shape);
+    }
+    data["notes"] = std::move(list);
+    for (std::size_t g = 0; g < groups.size() && g < shown; ++g) {
+        std::string line;
+        for (std::size_t i = 0; i < std::min(groups[g].size(), named); ++i) {
+            line += (i == 0 ? "" : ", ") + groups[g][i]->name;
+        }
+        if (groups[g].size() > named) line += " and " + std::to_string(groups[g].size() - named) + " more";
+        line += ":";
+        for (const std::string& note : groups[g].front()->notes) line += " " + note;
+        lines.push_back(std::move(line));
+    }
+    if (groups.size() > shown) {
+        lines.push_back("and " + std::to_string(groups.size() - shown) +
+                        " more lines on what was done to files; --json gives all");
+    }
 }
 
 void Summary::add_missing_pairs(const StudyData& study, const std::filesystem::path& folder) {

@@ -22,6 +22,9 @@ struct Summary {
     void add_remark(const std::string& remark);
     /// The same for something that is lacking, which makes the exit code 1.
     void add_shortfall(const std::string& sentence);
+    /// What was done to the files: files with the same notes in one line, the first twenty lines; in full as "notes" in
+    /// the JSON object.
+    void add_notes(const std::vector<StoredShape>& shapes);
     /// Says how many pairs of the study have no result yet, but for those whose damaged results are failures of their
     /// own.
     void add_missing_pairs(const StudyData& study, const std::filesystem::path& folder);

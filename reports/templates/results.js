@@ -71,11 +71,17 @@ function confusionTable(c) {
 
 function trustSection() {
     const t = data.trust, flat = data.embeddings[0], verdicts = [];
-    if (t.triangles_checked)
+    if (t.triangles_checked && !t.triangles_violated)
         verdicts.push(
-            `${plural(t.triangles_violated, 'triangle')} of ${t.triangles_checked} violate the triangle inequality; ` +
-            (t.triangles_beyond_error ? `${t.triangles_beyond_error} of them by more than the error bars explain.` :
-                                        'the error bars explain all of them.'));
+            t.triangles_checked === 1 ? 'The triangle inequality holds in the one triangle there is.' :
+                                        `The triangle inequality holds in all ${t.triangles_checked} triangles.`);
+    else if (t.triangles_checked)
+        verdicts.push(
+            `${t.triangles_violated} of ${plural(t.triangles_checked, 'triangle')} ${
+                t.triangles_violated === 1 ? 'violates' : 'violate'} the triangle inequality; ` +
+            (t.triangles_beyond_error       ? `${t.triangles_beyond_error} of them by more than the error bars explain.` :
+                 t.triangles_violated === 1 ? 'its error bars explain it.' :
+                                              'the error bars explain all of them.'));
     if (known(t.median_asymmetry))
         verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${
             percent(t.max_asymmetry)} at most.`);
@@ -209,10 +215,18 @@ function placedDifferently(assignment) {
 }
 
 function volumeSection() {
-    const v = data.volumes;
-    if (!v) return null;
-    const word = data.dimension === 3 ? 'volume' : 'area', left = chartBox('by-distance'),
-          right = chartBox('by-volume'), moved = clusterOf(0) ? placedDifferently(v.assignment) : [];
+    const v = data.volumes, word = data.dimension === 3 ? 'volume' : 'area', spread = data.volume_spread;
+    if (!v) {
+        if (count < 3 || !known(spread)) return null;
+        const within = spread < 5e-7 ? 'to all digits shown' : `within ${num(100 * spread, 2)} %`;
+        return section(
+            'volumes', `More than ${word}?`,
+            el('p', {},
+               `All ${word}s are equal ${within}: ${word} tells nothing of these shapes, and whatever separates them ` +
+                   'is in the distances.'));
+    }
+    const left = chartBox('by-distance'), right = chartBox('by-volume'),
+          moved = clusterOf(0) ? placedDifferently(v.assignment) : [];
     redraws.push(async () => {
         if (data.linkages.length)
             await draw(

@@ -271,6 +271,7 @@ ReportModel synthetic_model(const SyntheticStudy& study) {
     v.rank_correlation = 0.31;
     v.adjusted_rand = 0.12;
     m.volumes = v;
+    m.volume_spread = 0.4;
     Comparison c;
     c.other = "leaves-coarse.study";
     c.common_shapes = study.shapes;

@@ -308,6 +308,37 @@ TEST_F(Page, AGivenTableHasNoGeodesics) {
     expect_quiet();
 }
 
+TEST_F(Page, EqualVolumesAreSaid) {
+    auto model = tests::synthetic_model({.shapes = 5, .classes = 2, .paths = 0});
+    model.volumes.reset();
+    model.volume_spread = 0.00312;
+    show(model);
+    EXPECT_THAT(text("#volumes"), testing::HasSubstr("equal within 0.31 %"));
+    EXPECT_THAT(text("#volumes"), testing::HasSubstr("tells nothing of these shapes"));
+    model.volume_spread = 3e-9;
+    show(model);
+    EXPECT_THAT(text("#volumes"), testing::HasSubstr("equal to all digits shown"));
+    model.volume_spread = unknown;
+    show(model);
+    EXPECT_EQ(text("#volumes"), "");
+    expect_quiet();
+}
+
+TEST_F(Page, TrianglesAreCountedInWords) {
+    auto model = tests::synthetic_model({.shapes = 5, .classes = 2, .paths = 0});
+    const auto said = [&](long violated, long beyond) {
+        model.trust.triangles_checked = 56;
+        model.trust.triangles_violated = violated;
+        model.trust.triangles_beyond_error = beyond;
+        show(model);
+        return text("#trust");
+    };
+    EXPECT_THAT(said(0, 0), testing::HasSubstr("The triangle inequality holds in all 56 triangles."));
+    EXPECT_THAT(said(0, 0), testing::Not(testing::HasSubstr("error bars explain all")));
+    EXPECT_THAT(said(1, 0), testing::HasSubstr("1 of 56 triangles violates the triangle inequality; its error bars"));
+    EXPECT_THAT(said(3, 2), testing::HasSubstr("3 of 56 triangles violate the triangle inequality; 2 of them by"));
+}
+
 TEST_F(Page, FailedPairsOfShapesThatAreLeftOutCount) {
     auto model = tests::synthetic_model({.shapes = 4, .classes = 2, .paths = 0});
     model.trust.not_converged.clear();

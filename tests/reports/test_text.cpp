@@ -53,5 +53,14 @@ TEST(Text, ShortNumbers) {
     EXPECT_EQ(short_number(std::numeric_limits<double>::quiet_NaN()), "–");
 }
 
+TEST(Text, SharesOfNothingAreNothing) {
+    EXPECT_EQ(share_text(0.1234), "12.3 %");
+    EXPECT_EQ(share_text(1.0), "100 %");
+    EXPECT_EQ(share_text(0.0), "0 %");
+    EXPECT_EQ(share_text(1.95e-17), "0 %");
+    EXPECT_EQ(share_text(2.7e-6), "< 0.1 %");
+    EXPECT_EQ(share_text(std::numeric_limits<double>::quiet_NaN()), "–");
+}
+
 }  // namespace
 }  // namespace morphodesic::reports

@@ -162,6 +162,56 @@ TEST(SolidStudy, SizesInDifferentUnitsAreSaid) {
     EXPECT_LT(json::parse(pair.out)["path_length"], 0.005);
 }
 
+/// The ball with its triangles turned inside out, which the reader turns back with a note.
+std::string inverted(const std::string& obj) {
+    std::istringstream lines(obj);
+    std::string text, key, a, b, c;
+    while (lines >> key >> a >> b >> c) text += key + ' ' + (key == "f" ? b + ' ' + a : a + ' ' + b) + ' ' + c + '\n';
+    return text;
+}
+
+TEST(SolidStudy, WhatWasDoneToTheFilesIsInTheAnswers) {
+    const TemporaryFolder folder;
+    write_file(folder / "balls/a.obj", inverted(ball_obj(1.0, 0)));
+    write_file(folder / "balls/b.obj", inverted(ball_obj(1.1, 0)));
+    write_file(folder / "balls/sound.obj", ball_obj(1.2, 0));
+    const std::string balls = (folder / "balls").string(), a = balls + "/a.obj", sound = balls + "/sound.obj";
+    const Outcome pair =
+        morphodesic(quick({"geodesic", a, sound, "--json", "--quiet", "--out", (folder / "path").string()}));
+    ASSERT_EQ(pair.code, 0) << pair.err;
+    for (const json& said : {json::parse(pair.out), json::parse(read_file(folder / "path/geodesic.json"))}) {
+        ASSERT_EQ(said["notes_a"].size(), 1u);
+        EXPECT_THAT(said["notes_a"][0], HasSubstr("was turned"));
+        EXPECT_EQ(said["notes_b"], json::array());
+    }
+    const Outcome words = morphodesic({"ingest", balls, "--level", "4"});
+    EXPECT_EQ(words.code, 0) << words.err;
+    EXPECT_THAT(words.out, HasSubstr("a.obj, b.obj: The surface was inside out"));
+    EXPECT_THAT(words.out, Not(HasSubstr("sound.obj")));
+    const json data = json::parse(morphodesic({"ingest", balls, "--level", "4", "--json"}).out);
+    ASSERT_EQ(data["notes"].size(), 2u);
+    EXPECT_EQ(data["notes"][1]["file"], "b.obj");
+    EXPECT_THAT(data["notes"][1]["notes"][0], HasSubstr("was turned"));
+}
+
+TEST(SolidStudy, EqualVolumesAreSaid) {
+    const TemporaryFolder folder;
+    const std::string feet = (folder / "feet").string();
+    ASSERT_EQ(morphodesic({"datasets", "feet", "--equal-volume", "--count", "3", "--out", feet, "--quiet"}).code, 0);
+    ASSERT_EQ(morphodesic(quick({"run", feet, "--paths", "none", "--quiet"})).code, 0);
+    const json report = json::parse(read_file(folder / "feet.study/report.json"));
+    EXPECT_TRUE(report["volumes"].is_null());
+    EXPECT_LT(report["volume_spread"], 0.001);
+}
+
+TEST(SolidStudy, QueriesWithoutMasksAreNotSaidToHaveSome) {
+    const TemporaryFolder folder;
+    make_feet(folder / "feet", 2);
+    const Outcome hidden = morphodesic({"datasets", "occlude", (folder / "feet").string()});
+    ASSERT_EQ(hidden.code, 0) << hidden.err;
+    EXPECT_THAT(hidden.out, HasSubstr("2 queries, open where a part is hidden, and truth.csv in"));
+}
+
 TEST(SolidGeodesic, BallsFromFilesMeetTheClosedForm) {
     const TemporaryFolder folder;
     write_file(folder / "small.obj", ball_obj(0.20, 0.5));
