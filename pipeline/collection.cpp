@@ -110,13 +110,26 @@ void look_at_file(CollectionEntry& entry, const StoredShape* known, const datase
 
 constexpr std::size_t most_kept_bytes = std::size_t{128} << 20;  // some sixty scans rebuilt on a grid
 
+/// In the cube, or where there is no common scale yet in units of the file.
+SolidReach reach_when_placed(const datasets::RawShape<3>& raw, const datasets::NormalizeOptions& options) {
+    datasets::NormalizeOptions fitting;
+    const auto large = datasets::placement_of<3>(raw, fitting, nullptr);
+    constexpr int level = 5;
+    const SolidReach reach = reach_of(raw.geometry->signed_distance(DyadicGrid<3>(level), large));
+    const bool common = options.mode == "common";
+    return reach.scaled((common ? 1.0 : datasets::placement_of<3>(raw, options, nullptr).scale) / large.scale);
+}
+
+/// @param placement   without its scale, which is not known yet
 /// @param kept_bytes  of the solids that were kept so far
 template <int Dim>
-void measure(CollectionEntry& entry, const datasets::ImportOptions& options, std::atomic<std::size_t>& kept_bytes) {
+void measure(CollectionEntry& entry, const datasets::ImportOptions& options,
+             const datasets::NormalizeOptions& placement, std::atomic<std::size_t>& kept_bytes) {
     try {
         datasets::RawShape<Dim> raw = datasets::read_shape<Dim>(entry.source, options);
         entry.row.extent_radius = raw.extent_radius;
         if constexpr (Dim == 3) {
+            entry.reach = std::make_shared<const SolidReach>(reach_when_placed(raw, placement));
             if (kept_bytes.fetch_add(raw.bytes) + raw.bytes > most_kept_bytes) return;
             entry.measured = std::make_shared<std::optional<datasets::RawShape<3>>>(std::move(raw));
         }
@@ -220,9 +233,12 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         CollectionEntry& entry = collection.entries[i];
         const auto found = known.find(entry.source.name);
         look_at_file(entry, found == known.end() ? nullptr : &found->second, settings.import);
-        const bool common = settings.normalize == "common";
-        if (!common || !entry.row.problem.empty() || entry.row.extent_radius > 0) return;
-        with_dimension(collection.dimension, [&]<int Dim>() { measure<Dim>(entry, settings.import, kept_bytes); });
+        if (!entry.row.problem.empty() || entry.row.extent_radius > 0) return;
+        // Images need a size only for the common scale; how far solids reach says how much memory their pairs need.
+        const bool new_solid = collection.dimension == 3 && entry.row.content_digest.empty();
+        if (settings.normalize != "common" && !new_solid) return;
+        with_dimension(collection.dimension,
+                       [&]<int Dim>() { measure<Dim>(entry, settings.import, collection.placement, kept_bytes); });
     });
     if (StopSignals::caught() != 0) return collection;  // not all files were looked at: nothing is settled by that
     if (const std::string remark = remark_on_origin(folder, collection, known, store); !remark.empty()) {
@@ -379,6 +395,31 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
     }
     if (!result.row.problem.empty()) result.row.content_digest.clear();
     return result;
+}
+
+double window_share(const Collection& collection, const ResultStore& store, bool rigid) {
+    if (collection.dimension != 3) return 1.0;
+    const bool common = collection.placement.mode == "common";
+    std::vector<SolidReach> reaches;
+    for (const CollectionEntry& entry : collection.entries) {
+        const StoredShape& row = entry.row;
+        if (!row.problem.empty()) continue;
+        if (entry.reach) {
+            reaches.push_back(common ? entry.reach->scaled(collection.placement.scale) : *entry.reach);
+            continue;
+        }
+        if (!entry.needs_import) {
+            try {
+                reaches.push_back(reach_of(store.level_set<3>(row.content_digest)));
+                continue;
+            } catch (const StoreError&) {
+                // Read again from its file later.
+            }
+        }
+        const double radius = row.extent_radius * collection.placement.scale;
+        reaches.push_back(reach_of_ball(common && radius > 0 ? radius : datasets::largest_extent_radius));
+    }
+    return largest_window_share(reaches, rigid);
 }
 
 template ImportedShape<2> import_entry<2>(const Collection&, std::size_t, const ResultStore&);

@@ -12,6 +12,7 @@
 #include "pipeline/progress.h"
 #include "pipeline/result_store.h"
 #include "pipeline/run_settings.h"
+#include "pipeline/solid_reach.h"
 
 namespace morphodesic::pipeline {
 
@@ -23,6 +24,8 @@ struct CollectionEntry {
     /// A solid as it was read to be measured, so that its repair, the dearest part, is not done twice. Whoever imports
     /// the entry takes it out. Null: read the file again.
     std::shared_ptr<std::optional<datasets::RawShape<3>>> measured = {};
+    /// Of a solid that was measured, in the cube, or in units of the file while there is no common scale.
+    std::shared_ptr<const SolidReach> reach = {};
 };
 
 /// The files of a study and how they are placed in the cube.
@@ -94,6 +97,10 @@ struct ImportedShape {
 template <int Dim>
 [[nodiscard]] ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
                                               const ResultStore& store);
+
+/// Largest share of the cube that the solver needs for a pair of a collection of solids, see largest_window_share;
+/// those that are not read yet and were not measured are taken as balls. 1 in the plane.
+[[nodiscard]] double window_share(const Collection& collection, const ResultStore& store, bool rigid);
 
 /// Rounds to the 32-bit floats that the store keeps: whoever computes with a shape sees the numbers of the store.
 void round_as_stored(std::vector<double>& values);

@@ -15,7 +15,11 @@ double nodes(int dimension, int level) {
 
 }  // namespace
 
-std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
+std::size_t bytes_of_pair(int dimension, int level, int time_steps, double window_share) {
+    // Starts compete on levels that are cheap beside the others, in windows of any size.
+    constexpr int last_search_level = 5;
+    const std::size_t search =
+        level > last_search_level && window_share < 1.0 ? bytes_of_pair(dimension, last_search_level, time_steps) : 0;
     const double n = nodes(dimension, level), fields = dimension * time_steps + time_steps - 1;
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
     constexpr double history = 4;
@@ -32,7 +36,9 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps) {
     const double for_a_time = dimension == 3 ? std::max(assembly, vectors) : assembly + vectors;
     const double preconditioner = sizeof(float) * (cycles + trajectories + for_a_time);
     const double ends = 4 * sizeof(double);
-    return static_cast<std::size_t>(1.1 * n * (path + preconditioner + ends));
+    // Of the whole cube there are the path and the shapes, too, while a window is looked at.
+    const double cube = window_share < 1.0 ? fields * sizeof(double) + ends : 0.0;
+    return std::max(search, static_cast<std::size_t>(1.1 * n * (cube + window_share * (path + preconditioner + ends))));
 }
 
 std::size_t bytes_of_shape(int dimension, int level) {
@@ -40,10 +46,10 @@ std::size_t bytes_of_shape(int dimension, int level) {
 }
 
 MemoryPlan plan_memory(const std::string& memory_option, int dimension, int level, int shape_level, int time_steps,
-                       std::size_t shapes, int threads) {
+                       std::size_t shapes, int threads, double window_share) {
     MemoryPlan plan;
     plan.limit = memory_option.empty() ? available_memory() / 10 * 8 : size_from_text(memory_option);
-    plan.per_pair = bytes_of_pair(dimension, level, time_steps);
+    plan.per_pair = bytes_of_pair(dimension, level, time_steps, window_share);
     const std::size_t shape = bytes_of_shape(dimension, shape_level);
     plan.all_shapes = shapes * shape;
     // A pair in flight holds its two shapes, whatever is kept besides.
@@ -51,7 +57,8 @@ MemoryPlan plan_memory(const std::string& memory_option, int dimension, int leve
     if (bytes_of_program + one > plan.limit) {
         std::string advice = memory_option.empty() ? "use a machine with more memory" : "give more --memory";
         for (int lower = level - 1; lower >= 3; --lower) {
-            const std::size_t less = bytes_of_program + bytes_of_pair(dimension, lower, time_steps) + 2 * shape;
+            const std::size_t less =
+                bytes_of_program + bytes_of_pair(dimension, lower, time_steps, window_share) + 2 * shape;
             if (less > plan.limit) continue;
             advice += ", or choose --level " + std::to_string(lower);
             break;

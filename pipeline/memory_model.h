@@ -7,7 +7,8 @@ namespace morphodesic::pipeline {
 
 /// Most bytes that one pair holds while it is solved, the two shapes not counted, from the buffers of the solver on the
 /// finest level and a tenth on top for what the allocator keeps. Compared with measured peaks in pipeline/COST.md.
-[[nodiscard]] std::size_t bytes_of_pair(int dimension, int level, int time_steps);
+/// @param window_share  share of the cube that the path is minimised in, see SolidReach
+[[nodiscard]] std::size_t bytes_of_pair(int dimension, int level, int time_steps, double window_share = 1.0);
 
 /// Bytes of one shape that is kept on this level (doubles).
 [[nodiscard]] std::size_t bytes_of_shape(int dimension, int level);
@@ -30,6 +31,6 @@ struct MemoryPlan {
 /// @param memory_option  --memory; empty: 80 % of what is available
 /// @throws std::invalid_argument if one pair does not fit, with what would
 [[nodiscard]] MemoryPlan plan_memory(const std::string& memory_option, int dimension, int level, int shape_level,
-                                     int time_steps, std::size_t shapes, int threads);
+                                     int time_steps, std::size_t shapes, int threads, double window_share = 1.0);
 
 }  // namespace morphodesic::pipeline

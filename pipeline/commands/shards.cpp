@@ -328,9 +328,14 @@ int shard(const ShardOptions& options) {
         throw std::invalid_argument(options.shard + ": the plan has " + std::to_string(plan.shards) + " shards");
     }
     const GeodesicOptions& geodesic = plan.geodesic;
+    std::vector<SolidReach> reaches;
+    if (plan.dimension == 3) {
+        for (const auto& shape : plan.shapes) reaches.push_back(reach_of(store.level_set<3>(shape.first)));
+    }
     const MemoryPlan memory =
         plan_memory(options.memory, plan.dimension, geodesic.level, shape_level(plan.dimension, plan.settings.geodesic),
-                    geodesic.time_steps, plan.shapes.size(), threads);
+                    geodesic.time_steps, plan.shapes.size(), threads,
+                    reaches.empty() ? 1.0 : largest_window_share(reaches, geodesic.align == "rigid"));
     Progress progress(Progress::style_of_stderr(options.common.quiet));
     progress.message(memory.sentence());
     const fs::path result =

@@ -221,9 +221,10 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     std::optional<MemoryPlan> memory;
     if (solve) {
         const GeodesicOptions& geodesic = options.settings.geodesic;
-        memory = plan_memory(options.memory, collection.dimension, geodesic.level,
-                             shape_level(collection.dimension, geodesic), geodesic.time_steps,
-                             collection.entries.size(), at.threads);
+        memory =
+            plan_memory(options.memory, collection.dimension, geodesic.level,
+                        shape_level(collection.dimension, geodesic), geodesic.time_steps, collection.entries.size(),
+                        at.threads, window_share(collection, *at.store, geodesic.align == "rigid"));
     }
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
     const PairGraphSummary done = compute(at, collection, options, memory, from_files);

@@ -1,0 +1,139 @@
+#include "pipeline/solid_reach.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "geodesic/grid/transfer.h"
+
+namespace morphodesic::pipeline {
+namespace {
+
+constexpr int reach_level = 5;
+/// Ratio of variances from which on two principal axes are told apart.
+constexpr double clear_ratio = 1.5;
+// As PathWindow on levels from 6 on: room around the shapes on each side, sizes in eighths of the cube, none where it
+// would save little.
+constexpr double room = 11.0 / 64, largest_share = 0.8;
+constexpr int parts = 8;
+/// What the shapes between may bulge and alignments may differ from that of centroids and axes, besides the cell of
+/// level 5 by which reaches are larger than the shapes.
+constexpr double slack = 0.01;
+
+/// Half the side of the box of the cylinder about an axis, along axis a of the cube.
+double half_side(const SolidReach::Axis& size, const SolidReach::Axis& place, std::size_t a) {
+    const double cosine = std::min(std::abs(place.direction[a]), 1.0);
+    return size.along * cosine + size.across * std::sqrt(1.0 - cosine * cosine);
+}
+
+/// The same of the box along all principal axes, which all are laid on those of the other solid.
+double half_side_of_box(const SolidReach& size, const SolidReach& place, std::size_t a) {
+    const double first = std::abs(place.longest.direction[a]), last = std::abs(place.shortest.direction[a]);
+    const double between = std::sqrt(std::max(1.0 - first * first - last * last, 0.0));
+    return size.longest.along * first + size.between * between + size.shortest.along * last;
+}
+
+}  // namespace
+
+SolidReach SolidReach::scaled(double factor) const {
+    SolidReach result = *this;
+    for (std::size_t a = 0; a < 3; ++a) result.low[a] *= factor, result.high[a] *= factor;
+    result.radius *= factor;
+    result.between *= factor;
+    for (Axis* axis : {&result.longest, &result.shortest}) axis->along *= factor, axis->across *= factor;
+    return result;
+}
+
+SolidReach reach_of(const LevelSet<3>& u) {
+    const LevelSet<3> coarse = restricted(u, std::min(u.grid.level(), reach_level));
+    const double h = coarse.grid.spacing();
+    // With the nodes that are less than a cell outside: no part is so thin that all of it lies between nodes.
+    std::vector<Eigen::Vector3d> near;
+    std::vector<double> weight;
+    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+    double volume = 0.0;
+    for (std::size_t i = 0; i < coarse.values.size(); ++i) {
+        if (coarse.values[i] <= -h) continue;
+        const auto p = coarse.grid.position(coarse.grid.node(i));
+        near.emplace_back(p[0], p[1], p[2]);
+        weight.push_back(std::clamp(0.5 + coarse.values[i] / h, 0.0, 1.0));
+        volume += weight.back();
+        centroid += weight.back() * near.back();
+    }
+    if (!(volume > 0.0)) return reach_of_ball(0.5);
+    centroid /= volume;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        near[i] -= centroid;
+        covariance += weight[i] / volume * near[i] * near[i].transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);  // increasing
+    const Eigen::Vector3d variance = axes.eigenvalues();
+    SolidReach reach;
+    const auto cylinder = [&](int which, bool clear) {
+        SolidReach::Axis axis;
+        axis.clear = clear;
+        const Eigen::Vector3d d = axes.eigenvectors().col(which);
+        axis.direction = {d[0], d[1], d[2]};
+        for (const auto& p : near) {
+            const double along = d.dot(p);
+            axis.along = std::max(axis.along, std::abs(along));
+            axis.across = std::max(axis.across, (p - along * d).norm());
+        }
+        return axis;
+    };
+    reach.longest = cylinder(2, variance[2] > clear_ratio * variance[1]);
+    reach.shortest = cylinder(0, variance[1] > clear_ratio * variance[0]);
+    const Eigen::Vector3d between = axes.eigenvectors().col(1);
+    for (const auto& p : near) {
+        reach.between = std::max(reach.between, std::abs(between.dot(p)));
+        reach.radius = std::max(reach.radius, p.norm());
+        for (int a = 0; a < 3; ++a) {
+            const auto at = static_cast<std::size_t>(a);
+            reach.low[at] = std::min(reach.low[at], p[a]);
+            reach.high[at] = std::max(reach.high[at], p[a]);
+        }
+    }
+    return reach;
+}
+
+SolidReach reach_of_ball(double radius) {
+    SolidReach reach;
+    reach.low.fill(-radius);
+    reach.high.fill(radius);
+    reach.radius = radius;
+    return reach;
+}
+
+double window_share(const SolidReach& moved, const SolidReach& fixed, bool rigid) {
+    double share = 1.0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        double below = -moved.low[a], above = moved.high[a];
+        if (rigid) {
+            double half = moved.radius;
+            const bool longest = moved.longest.clear && fixed.longest.clear;
+            const bool shortest = moved.shortest.clear && fixed.shortest.clear;
+            if (longest) half = std::min(half, half_side(moved.longest, fixed.longest, a));
+            if (shortest) half = std::min(half, half_side(moved.shortest, fixed.shortest, a));
+            if (longest && shortest) half = std::min(half, half_side_of_box(moved, fixed, a));
+            below = above = half;
+        }
+        const double side = std::max(above, fixed.high[a]) + std::max(below, -fixed.low[a]) + 2 * (room + slack);
+        share *= std::min(std::ceil(side * parts) / parts, 1.0);
+    }
+    return share > largest_share ? 1.0 : share;
+}
+
+double largest_window_share(std::span<const SolidReach> reaches, bool rigid) {
+    double largest = 0.0;
+    for (const SolidReach& moved : reaches) {
+        for (const SolidReach& fixed : reaches) {
+            if (&moved != &fixed) largest = std::max(largest, window_share(moved, fixed, rigid));
+            if (largest == 1.0) return largest;
+        }
+    }
+    return largest > 0.0 ? largest : 1.0;
+}
+
+}  // namespace morphodesic::pipeline
