@@ -72,7 +72,8 @@ double hidden_share(const LevelSet<Dim>& whole, const ScalarField<Dim>& mask) {
         all += inside;
         hidden += inside * (1.0 - mask.values[i]);
     }
-    return all > 0 ? hidden / all : 0.0;
+    constexpr double rounding = 1e-9;  // of interpolated masks
+    return hidden > rounding * all ? hidden / all : 0.0;
 }
 
 /// The whole shape where it is visible.

@@ -8,6 +8,7 @@
 #include "pipeline/path_pictures.h"
 #include "pipeline/png.h"
 #include "pipeline/run_settings.h"
+#include "reports/text.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -22,7 +23,7 @@ std::string text_of(double value, const char* format = "%.4g") {
 }
 
 std::string share_text(double share) {
-    return std::isnan(share) ? "unknown" : text_of(100 * share, "%.3g") + " %";
+    return std::isnan(share) ? "unknown" : reports::share_text(share);
 }
 
 reports::Picture encoded(const RgbaImage& image) {
@@ -114,6 +115,12 @@ reports::ClassificationPage classification_page(const ClassificationRun& run, co
     if (run.labelled > 0) {
         page.tiles.emplace_back(share_text(static_cast<double>(run.right) / static_cast<double>(run.labelled)),
                                 "right, of " + std::to_string(run.labelled) + " with a known class");
+    }
+    if (run.labelled_failed > 0) {
+        page.tiles.emplace_back(std::to_string(run.labelled_failed),
+                                "more with a known class could not be classified: right are " +
+                                    std::to_string(run.right) + " of all " +
+                                    std::to_string(run.labelled + run.labelled_failed));
     }
     if (run.foreign > 0) {
         page.tiles.emplace_back(std::to_string(run.foreign_rejected) + " of " + std::to_string(run.foreign),

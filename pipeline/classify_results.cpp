@@ -113,7 +113,11 @@ void ClassificationRun::evaluate() {
     std::vector<double> confidences;
     std::vector<unsigned char> right_answers;
     for (const QueryResult& q : queries) {
-        if (q.truth.empty() || !q.problem.empty()) continue;
+        if (q.truth.empty()) continue;
+        if (!q.problem.empty()) {
+            labelled_failed += known.contains(q.truth) ? 1 : 0;
+            continue;
+        }
         if (!known.contains(q.truth)) {
             ++foreign;
             if (!is_accepted(q)) ++foreign_rejected;
@@ -145,6 +149,7 @@ Json to_json(const ClassificationRun& run) {
     json["classes"] = run.classes;
     json["accuracy"] = share(run.right, run.labelled);
     json["labelled"] = run.labelled;
+    json["labelled_failed"] = run.labelled_failed;
     json["right"] = run.right;
     json["accepted"] = run.accepted;
     json["accuracy_of_accepted"] = share(run.accepted_right, run.accepted);

@@ -50,7 +50,8 @@ struct ClassificationRun {
     double seconds = 0.0;  ///< of the queries, wall clock
 
     // Filled by evaluate().
-    long labelled = 0;  ///< queries of the templates' classes
+    long labelled = 0;         ///< queries of the templates' classes
+    long labelled_failed = 0;  ///< more of these classes that could not be used, not among the labelled
     long right = 0;
     long accepted = 0, accepted_right = 0;   ///< of these
     long foreign = 0, foreign_rejected = 0;  ///< queries of no template's class

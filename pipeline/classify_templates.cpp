@@ -1,6 +1,7 @@
 #include "pipeline/classify_templates.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 
@@ -153,6 +154,70 @@ TemplateSet<Dim> load_templates(const fs::path& folder, const RunSettings& setti
     return set;
 }
 
+namespace {
+
+/// Read on a finer grid than the templates where less of the contour than this is known for sure: a scan of which more
+/// than 30 % would be new surface is refused, so the rest is lost to the rim of the mask, which is a few cells wide.
+constexpr double least_visible = 0.6;
+/// The finest grid that alignments look at.
+constexpr int alignment_level = 6;
+
+/// Nodes inside along the longest axis.
+template <int Dim>
+int cells_long(const LevelSet<Dim>& u) {
+    std::array<int, Dim> low, high;
+    low.fill(u.grid.nodes_per_axis());
+    high.fill(-1);
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (u.values[i] <= 0) continue;
+        const auto node = u.grid.node(i);
+        for (std::size_t a = 0; a < Dim; ++a) {
+            low[a] = std::min(low[a], node[a]);
+            high[a] = std::max(high[a], node[a]);
+        }
+    }
+    int longest = 0;
+    for (std::size_t a = 0; a < Dim; ++a) longest = std::max(longest, high[a] - low[a] + 1);
+    return longest;
+}
+
+/// @param cells  of the templates' grid along the query
+template <int Dim>
+[[noreturn]] void refuse_as_hidden(const datasets::ShapeSource& source, const TemplateSet<Dim>& templates, int cells) {
+    if (Dim == 2) {
+        throw datasets::ReadError(source.path, "all of its contour is hidden, or so near the mask that nothing is sure",
+                                  "let the mask leave a part of the contour visible, or use a finer --level");
+    }
+    throw datasets::ReadError(
+        source.path,
+        "too small on the grid of the templates: it is " + std::to_string(cells) + (cells == 1 ? " cell" : " cells") +
+            " long, and what is left of its surface lies so near its openings that nothing is sure",
+        "use a finer --level" + std::string(templates.placement.mode == "each" ? "" : ", --normalize each") +
+            " or templates of its own size");
+}
+
+}  // namespace
+
+template <int Dim>
+double visible_contour(const LevelSet<Dim>& u, const ScalarField<Dim>& mask) {
+    if (mask.values.empty()) return 1.0;
+    std::size_t all = 0, visible = 0;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const auto node = u.grid.node(i);
+        for (std::size_t a = 0; a < Dim; ++a) {
+            auto next = node;
+            if (++next[a] == u.grid.nodes_per_axis()) continue;
+            const std::size_t j = u.grid.index(next);
+            const double v = u.values[i], w = u.values[j];
+            if ((v > 0) == (w > 0)) continue;
+            const double where = v / (v - w);
+            ++all;
+            visible += (1 - where) * mask.values[i] + where * mask.values[j] > 0.95 ? 1 : 0;
+        }
+    }
+    return all > 0 ? static_cast<double>(visible) / static_cast<double>(all) : 0.0;
+}
+
 template <int Dim>
 ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const TemplateSet<Dim>& templates,
                               const datasets::ImportOptions& import, bool ignore_mask) {
@@ -162,16 +227,32 @@ ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const Templat
         file.mask_path.clear();
         reading.border = "free";
     }
-    ComparedShape<Dim> query = compared(datasets::import_shape<Dim>(file, reading, templates.placement));
+    const datasets::RawShape<Dim> raw = datasets::read_shape<Dim>(file, reading);
+    datasets::NormalizeOptions placement = templates.placement;
+    ComparedShape<Dim> query = compared(datasets::normalize(raw, placement));
     if (ignore_mask) query.mask = {};
     const bool nothing_hidden =
         std::all_of(query.mask.values.begin(), query.mask.values.end(), [](double chi) { return chi > 0.99; });
     if (nothing_hidden) query.mask = {};
+    const int cells = cells_long(query.level_set);
+    while (Dim == 3 && placement.level < alignment_level &&
+           visible_contour(query.level_set, query.mask) < least_visible) {
+        ++placement.level;
+        query = compared(datasets::normalize(raw, placement));
+    }
+    if (visible_contour(query.level_set, query.mask) == 0.0) refuse_as_hidden<Dim>(source, templates, cells);
+    if (placement.level > templates.placement.level) {
+        query.notes.push_back("Only " + std::to_string(cells) +
+                              " cells long on the grid of the templates: read on level " +
+                              std::to_string(placement.level) + ", so that what is hidden is not too wide.");
+    }
     return query;
 }
 
 template TemplateSet<2> load_templates<2>(const fs::path&, const RunSettings&);
 template TemplateSet<3> load_templates<3>(const fs::path&, const RunSettings&);
+template double visible_contour<2>(const LevelSet<2>&, const ScalarField<2>&);
+template double visible_contour<3>(const LevelSet<3>&, const ScalarField<3>&);
 template ComparedShape<2> load_query<2>(const datasets::ShapeSource&, const TemplateSet<2>&,
                                         const datasets::ImportOptions&, bool);
 template ComparedShape<3> load_query<3>(const datasets::ShapeSource&, const TemplateSet<3>&,

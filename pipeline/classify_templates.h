@@ -33,7 +33,13 @@ struct TemplateSet {
 template <int Dim>
 [[nodiscard]] TemplateSet<Dim> load_templates(const std::filesystem::path& folder, const RunSettings& settings);
 
-/// Reads and places one query. @throws datasets::ReadError
+/// Share of the places where the contour crosses the grid at which chi is 1, as alignments need it.
+template <int Dim>
+[[nodiscard]] double visible_contour(const LevelSet<Dim>& u, const ScalarField<Dim>& mask);
+
+/// Reads and places one query; a scan that is small beside the templates on a finer grid than theirs, since what is
+/// hidden has a rim of a few cells.
+/// @throws datasets::ReadError also where nothing of its contour is visible
 /// @param ignore_mask  take the picture as it is, whatever is known to be hidden
 template <int Dim>
 [[nodiscard]] ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const TemplateSet<Dim>& templates,

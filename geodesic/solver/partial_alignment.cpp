@@ -49,10 +49,14 @@ struct PartialAligner<Dim>::Impl {
             centroid += s.chi * s.x;
         }
         whole = std::all_of(mask.values.begin(), mask.values.end(), [](double chi) { return chi > 0.99; });
-        if (!(volume > 0) || pins.empty()) {
+        if (pins.empty()) {
             throw std::invalid_argument("align: nothing of the shape's contour is visible on the grid");
         }
-        centroid /= volume;
+        if (volume > 0) {
+            centroid /= volume;
+        } else {  // it lies between the points of the lattice
+            for (const auto& pin : pins) centroid += pin.x / static_cast<double>(pins.size());
+        }
     }
 };
 

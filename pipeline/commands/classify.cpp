@@ -398,6 +398,11 @@ void say(const ClassificationRun& run, Summary& summary) {
                       run.accepted, run.accepted_right);
         summary.lines.emplace_back(text);
     }
+    if (run.labelled_failed > 0) {
+        std::snprintf(text, sizeof text, "%ld more of a known class could not be classified: right are %ld of all %ld",
+                      run.labelled_failed, run.right, run.labelled + run.labelled_failed);
+        summary.lines.emplace_back(text);
+    }
     if (run.foreign > 0) {
         std::snprintf(text, sizeof text, "of no template's class: %ld, rejected %ld", run.foreign,
                       run.foreign_rejected);

@@ -3,9 +3,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "datasets/read_error.h"
+#include "pipeline/classify_page.h"
 #include "pipeline/classify_results.h"
 #include "pipeline/classify_screening.h"
+#include "pipeline/classify_templates.h"
 #include "pipeline/cli.h"
 #include "tests/support/temporary_folder.h"
 
@@ -236,6 +240,74 @@ TEST(Classify, AFootWithoutToesIsRecognised) {
         EXPECT_GT(query["hidden_share"].get<double>(), 0.13);
         EXPECT_LT(query["hidden_share"].get<double>(), 0.4);
     }
+}
+
+/// A ball of radius 1 without the cap above z = 0.4.
+std::string open_ball() {
+    constexpr int around = 24, along = 18;
+    const double top = std::acos(0.4), bottom = std::acos(-1.0);
+    std::ostringstream text;
+    for (int i = 0; i <= along; ++i) {
+        const double polar = top + (bottom - top) * i / along;
+        for (int j = 0; j < around; ++j) {
+            const double angle = 2 * bottom * j / around;
+            text << "v " << std::sin(polar) * std::cos(angle) << ' ' << std::sin(polar) * std::sin(angle) << ' '
+                 << std::cos(polar) << '\n';
+        }
+    }
+    for (int i = 0; i < along; ++i) {
+        for (int j = 0; j < around; ++j) {
+            const int a = i * around + j + 1, b = i * around + (j + 1) % around + 1;
+            text << "f " << a << ' ' << a + around << ' ' << b << "\nf " << b << ' ' << a + around << ' ' << b + around
+                 << '\n';
+        }
+    }
+    return text.str();
+}
+
+TEST(Classify, AnOpenScanThatIsSmallBesideTheTemplatesIsReadOnAFinerGrid) {
+    const tests::TemporaryFolder folder;
+    const auto source = datasets::single_source(folder.write("scan.obj", open_ball()));
+    TemplateSet<3> templates;
+    templates.placement.mode = "common";
+    templates.placement.level = 5;
+    datasets::ImportOptions import;
+    import.border = "hides";
+    const auto read = [&](double scale) {
+        templates.placement.scale = scale;
+        return load_query<3>(source, templates, import, false);
+    };
+    const auto large = read(0.3), small = read(0.07);
+    EXPECT_EQ(large.level_set.grid.level(), 5);
+    EXPECT_TRUE(large.notes.empty() || !large.notes.back().starts_with("Only"));
+    EXPECT_EQ(small.level_set.grid.level(), 6);
+    EXPECT_THAT(small.notes.back(), testing::HasSubstr("cells long on the grid of the templates: read on level 6"));
+    EXPECT_GT(visible_contour(small.level_set, small.mask), 0.3);
+    try {
+        (void)read(0.012);
+        FAIL() << "it is smaller than the rim of its mask";
+    } catch (const datasets::ReadError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("too small on the grid of the templates: it is"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("use a finer --level, --normalize each or templates of its own"));
+    }
+}
+
+TEST(Classify, QueriesThatFailedAreNamedBesideTheShareOfRightAnswers) {
+    ClassificationRun run;
+    run.classes = {"a", "b"};
+    run.queries.resize(3);
+    run.queries[0].truth = run.queries[0].answer.label = "a";
+    run.queries[1].truth = "b";
+    run.queries[1].problem = "too small";
+    run.queries[2].truth = "c";
+    run.queries[2].problem = "of no template's class, and too small";
+    run.evaluate();
+    const auto json = to_json(run);
+    EXPECT_EQ(json["labelled"], 1);
+    EXPECT_EQ(json["labelled_failed"], 1);
+    const auto page = classification_page(run, "");
+    EXPECT_THAT(page.tiles, testing::Contains(testing::Pair(
+                                "1", "more with a known class could not be classified: right are 1 of all 2")));
 }
 
 TEST(Classify, BadUsageIsExitCodeTwo) {
