@@ -82,8 +82,8 @@ void judge_new_surface(const NewSurface& made, double size, const std::filesyste
                        const SolidifyOptions& options, std::vector<std::string>& notes) {
     if (made.share > largest_new_share && options.close_gaps < 1.0) {
         throw ReadError(file,
-                        "the scan shows one side only: closing it would invent " + percent(made.share) +
-                            " of the surface (limit " + percent(largest_new_share) + ")",
+                        "the scan shows one side only, or has too wide openings: closing it would invent " +
+                            percent(made.share) + " of the surface (limit " + percent(largest_new_share) + ")",
                         "use a scan from all sides or join the views first; --close-gaps 1 closes it all the same");
     }
     if (made.gap > options.close_gaps * size) {

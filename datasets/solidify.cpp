@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "datasets/flat_lids.h"
 #include "datasets/interruption.h"
 #include "datasets/mesh_smoothing.h"
 #include "datasets/note_text.h"
@@ -252,7 +253,7 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
 }
 
 Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, const std::filesystem::path& file,
-                                const SolidifyOptions& options, std::vector<std::string> notes) {
+                                const SolidifyOptions& options, std::vector<std::string> notes, double spacing) {
     const Box3 box = bounding_box(mesh.points);
     const double h = box.longest_side() / options.cells;
     const Lattice lattice = lattice_around(box, h, 0.0);
@@ -264,10 +265,11 @@ Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, cons
     if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
     // New is what lies away from all triangles, and the back that a one-sided sheet would need. Single triangles of a
     // noisy surface face anywhere, so several are asked.
+    const double near = std::max(1.5 * h, 2.0 * spacing);
     const auto is_new = [&](const Piece& piece, double& gap) {
         const double far = 2.0 * box.diagonal();
         gap = tree.nearest(piece.centre, far).distance;
-        if (gap > 1.5 * h) return true;
+        if (gap > near) return true;
         Vector3 facing{};
         for (int side = 0; side < 6; ++side) {
             Vector3 x = piece.centre;
@@ -279,7 +281,10 @@ Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, cons
     };
     judge_new_surface(new_surface(rebuilt, is_new), box.diagonal(), file, options, notes);
     // What closes a hole goes on from its rim without an edge. Away from holes the rebuilt points lie on the triangles.
-    const std::vector<char> is_new_point = pull_to_surface(rebuilt, tree, h);
+    std::vector<char> is_new_point = pull_to_surface(rebuilt, tree, h);
+    if (const std::size_t flat = flatten_lids(rebuilt, is_new_point, tree, h + spacing, box.diagonal()); flat > 0) {
+        notes.push_back(count(flat, "wide opening") + (flat == 1 ? " was" : " were") + " closed flat.");
+    }
     fair(rebuilt, is_new_point);
     return finished_solid(std::move(rebuilt), file, options, std::move(notes));
 }

@@ -33,17 +33,19 @@ struct Solid {
 /// non-manifold ones get neighbouring triangles to agree in orientation, then each patch turned so that its front sees
 /// more of the open air (Takayama et al. 2014); the inside is where the generalised winding number exceeds 1/2. United
 /// and closed surfaces are rebuilt on a grid of options.cells cells, and what closes a hole is bent like a thin plate
-/// held by its rim. Surfaces with noise above 0.03 % of the object's size are smoothed before: noise is roughness that
-/// does not hang together from point to point. Stray pieces far from the object are left out first of all (strays.h).
+/// held by its rim, or flat over a flat cut (flat_lids.h). Surfaces with noise above 0.03 % of the object's size are
+/// smoothed before: noise is roughness that does not hang together from point to point. Stray pieces far from the
+/// object are left out first of all (strays.h).
 /// @param file  for messages
 /// @throws ReadError if nothing is enclosed (flat, one-sided, empty)
 Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file, const SolidifyOptions& options = {});
 
 /// The route of open, non-manifold and one-sided surfaces whose patches face outward already.
-/// @param what  a note begins with it: what the surface is like
+/// @param what     a note begins with it: what the surface is like
+/// @param spacing  of the points of a cloud: where they lie a little farther apart nothing is missing
 /// @throws ReadError if nothing is enclosed, or too much would be made up
 Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, const std::filesystem::path& file,
-                                const SolidifyOptions& options, std::vector<std::string> notes);
+                                const SolidifyOptions& options, std::vector<std::string> notes, double spacing = 0.0);
 
 /// From points spread over a surface to a solid: morphological closing. The inside is what a ball that fits through no
 /// gap between the points cannot reach from outside.

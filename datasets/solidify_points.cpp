@@ -125,7 +125,7 @@ std::optional<Solid> solid_between_neighbours(const std::vector<Vector3>& points
     } else {
         const Turned outward = turn_patches_outward(mesh, patches(mesh), TriangleTree(mesh));
         if (outward.filled_cavity) notes.emplace_back("An inner cavity was filled, as its wall is too open.");
-        solid = closed_by_winding_numbers(std::move(mesh), what, file, options, std::move(notes));
+        solid = closed_by_winding_numbers(std::move(mesh), what, file, options, std::move(notes), spacing);
     }
     const double far = 2.0 * spacing, deep = std::max(far, deep_inside * box.diagonal());
     const UnusedPoints unused = unused_points(points, solid.mesh, far, deep);

@@ -65,7 +65,7 @@ float chosen_isovalue(const fs::path& file, const Volume& volume, const std::str
     if (low >= -rounding && high <= 1.0F + rounding && high > 0.5F) return 0.5F;
     std::snprintf(text, sizeof text, "its values run from %g to %g and nothing says which of them is the surface", low,
                   high);
-    throw ReadError(file, text, "name it with --isovalue (inside is above it)");
+    throw ReadError(file, text, "name it with --isovalue (inside is above it, or below with --inside below)");
 }
 
 /// Share of the voxels at the border of the volume that are inside.

@@ -312,6 +312,44 @@ TEST(Solidify, CornersOnTheSidesOfNeighboursAreNoNoise) {
     }
 }
 
+/// As of an object that stood on a floor, in any direction: no dome over it.
+TEST(Solidify, FlatCutsAreClosedFlat) {
+    TriangleMesh box = divided_box_mesh({0, 0, 0}, {1, 0.7, 0.4}, 40);
+    std::erase_if(box.triangles, [&](const auto& t) {
+        return box.points[t[0]][2] + box.points[t[1]][2] + box.points[t[2]][2] > 3 * 0.4 - 1e-9;
+    });
+    for (auto& p : box.points) p = {0.8 * p[0] - 0.6 * p[2], p[1], 0.6 * p[0] + 0.8 * p[2]};
+    const Solid open = solid_from_triangles(box, "box");
+    EXPECT_NEAR(open.volume, 0.28, 0.015 * 0.28);  // a dome would be a third too much
+    EXPECT_THAT(open.notes, Contains(HasSubstr("1 wide opening was closed flat")));
+    EXPECT_TRUE(topology(open.mesh).closed());
+
+    std::vector<Vector3> points;
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> share;
+    while (points.size() < 8000) {  // five faces of the same box, evenly
+        Vector3 p{share(random), 0.7 * share(random), 0.4 * share(random)};
+        const double face = (0.7 + 0.4 * 0.7 * 2 + 0.4 * 2) * share(random);
+        if (face < 0.7)
+            p[2] = 0.0;
+        else if (face < 0.7 + 0.56)
+            p[0] = face < 0.7 + 0.28 ? 0.0 : 1.0;
+        else
+            p[1] = face < 0.7 + 0.56 + 0.4 ? 0.0 : 0.7;
+        points.push_back(p);
+    }
+    EXPECT_NEAR(solid_from_points(points, "cloud").volume, 0.28, 0.03 * 0.28);
+}
+
+/// Walls that lean over the opening go on round.
+TEST(Solidify, OpeningsThatCloseAlreadyGoOnRound) {
+    TriangleMesh ball = ball_mesh(middle, radius, 5);
+    std::erase_if(ball.triangles, [&](const auto& t) { return ball.points[t[0]][2] > middle[2] + 0.7 * radius; });
+    const Solid solid = solid_from_triangles(ball, "ball", coarse());
+    EXPECT_NEAR(solid.volume, ball_volume, 0.02 * ball_volume);
+    EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("flat"))));
+}
+
 TEST(Solidify, PointCloudOfABall) {
     const TriangleMesh ball = ball_mesh(middle, radius, 4);
     const Solid solid = solid_from_points(ball.points, "cloud", coarse());
