@@ -1,12 +1,12 @@
 #include "datasets/flat_lids.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "datasets/interruption.h"
+#include "datasets/principal_axes.h"
 
 namespace morphodesic::datasets {
 namespace {
@@ -54,18 +54,11 @@ struct Plane {
 };
 Plane plane_through(const TriangleMesh& mesh, const std::vector<int>& rim) {
     Plane result;
-    const double share = 1.0 / static_cast<double>(rim.size());
-    for (const int i : rim) result.centre = result.centre + share * mesh.points[i];
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const int i : rim) {
-        const Vector3 d = mesh.points[i] - result.centre;
-        const Eigen::Vector3d e(d[0], d[1], d[2]);
-        covariance += share * e * e.transpose();
-        result.width = std::max(result.width, 2.0 * norm(d));
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-    result.normal = {axes.eigenvectors()(0, 0), axes.eigenvectors()(1, 0), axes.eigenvectors()(2, 0)};
-    result.unevenness = std::sqrt(std::max(axes.eigenvalues()[0], 0.0));
+    const PrincipalAxes axes = principal_axes(rim.size(), [&](std::size_t i) { return mesh.points[rim[i]]; });
+    result.centre = axes.mean;
+    result.normal = axes.normal();
+    result.unevenness = std::sqrt(std::max(axes.variances[0], 0.0));
+    for (const int i : rim) result.width = std::max(result.width, 2.0 * norm(mesh.points[i] - axes.mean));
     return result;
 }
 

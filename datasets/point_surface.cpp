@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
@@ -10,10 +9,10 @@
 #include <compare>
 #include <cstddef>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "datasets/interruption.h"
+#include "datasets/principal_axes.h"
 
 namespace morphodesic::datasets {
 namespace {
@@ -73,28 +72,15 @@ TangentPlane tangent_plane(const std::vector<Vector3>& points, const PointTree& 
     std::sort(order.begin(), order.end());
     TangentPlane plane;
     plane.reach = order.back().first;
-    Vector3 mean = p;
-    for (int i = 0; i < fitted; ++i) mean = mean + points[order[i].second];
-    mean = (1.0 / (fitted + 1)) * mean;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    const auto add = [&](const Vector3& x) {
-        const Eigen::Vector3d d(x[0] - mean[0], x[1] - mean[1], x[2] - mean[2]);
-        covariance += d * d.transpose() / (plane.reach * plane.reach);
-    };
-    add(p);
-    for (int i = 0; i < fitted; ++i) add(points[order[i].second]);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-    const Eigen::Matrix3d axes = solver.eigenvectors();
-    plane.unevenness =
-        std::sqrt(std::max(solver.eigenvalues()[0], 0.0) / (fitted + 1.0)) * plane.reach / order[fitted - 1].first;
+    const PrincipalAxes axes =
+        principal_axes(fitted + 1, [&](std::size_t i) { return i == 0 ? p : points[order[i - 1].second]; });
+    plane.unevenness = std::sqrt(std::max(axes.variances[0], 0.0)) / order[fitted - 1].first;
     for (const auto& [r, n] : order) {
-        const Vector3 d = points[n] - p;
-        const Eigen::Vector3d e(d[0], d[1], d[2]);
-        const double across = axes.col(0).dot(e);
-        if (2.0 * across * across > e.squaredNorm()) continue;  // on the other side of something thin
-        plane.around.push_back({axes.col(2).dot(e), axes.col(1).dot(e), n});
+        const Eigen::Vector3d e = axes.along(points[n] - p);
+        if (2.0 * e[0] * e[0] > e.squaredNorm()) continue;  // on the other side of something thin
+        plane.around.push_back({e[2], e[1], n});
     }
-    plane.normal = {axes(0, 0), axes(1, 0), axes(2, 0)};
+    plane.normal = axes.normal();
     return plane;
 }
 
@@ -162,39 +148,8 @@ void turn_to_one_side(const std::vector<std::array<int, 3>>& triangles, std::vec
     }
 }
 
-/// Leaves out triangles that do not face the side that a neighbour faces, and those of edges of three or more.
-void leave_out_disagreeing(std::vector<std::array<int, 3>>& triangles) {
-    struct Side {
-        int a, b;
-        std::size_t triangle;
-        bool forward;
-    };
-    std::vector<Side> sides;
-    sides.reserve(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        for (int i = 0; i < 3; ++i) {
-            const int a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-            sides.push_back({std::min(a, b), std::max(a, b), t, a < b});
-        }
-    }
-    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-        return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
-    });
-    std::vector<char> out(triangles.size(), 0);
-    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-        for (end = i; end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b;) ++end;
-        const bool agree = end - i == 1 || (end - i == 2 && sides[i].forward != sides[i + 1].forward);
-        for (std::size_t s = i; s < end && !agree; ++s) out[sides[s].triangle] = 1;
-    }
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (!out[t]) triangles[kept++] = triangles[t];
-    }
-    triangles.resize(kept);
-}
-
 /// So that a patch that closes has a positive volume; one that does not is turned by what its middle sees of it.
-void turn_closed_patches_outward(TriangleMesh& mesh) {
+void turn_patches_by_volume(TriangleMesh& mesh) {
     const Patches patch = patches(mesh);
     std::vector<Vector3> centre(patch.count, Vector3{});
     std::vector<double> corners(patch.count, 0.0), volume(patch.count, 0.0);
@@ -251,8 +206,8 @@ PointSurface surface_through(std::vector<Vector3> points) {
         const Vector3 n = normals[t[0]] + normals[t[1]] + normals[t[2]];
         if (dot(area_vector({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]}), n) < 0) std::swap(t[1], t[2]);
     }
-    leave_out_disagreeing(mesh.triangles);
-    turn_closed_patches_outward(mesh);
+    leave_out_inconsistent(mesh);
+    turn_patches_by_volume(mesh);
     return result;
 }
 

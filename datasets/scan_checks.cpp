@@ -2,11 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "datasets/interruption.h"
 #include "datasets/note_text.h"
+#include "datasets/principal_axes.h"
 #include "datasets/read_error.h"
 
 namespace morphodesic::datasets {
@@ -16,17 +16,10 @@ constexpr double largest_new_share = 0.3;  // of the surface: beyond it the othe
 
 /// Extent along the thinnest direction over the extent along the longest.
 double flatness(const std::vector<Vector3>& points) {
-    Vector3 mean{};
-    for (const auto& p : points) mean = mean + (1.0 / static_cast<double>(points.size())) * p;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const auto& p : points) {
-        const Eigen::Vector3d r(p[0] - mean[0], p[1] - mean[1], p[2] - mean[2]);
-        covariance += r * r.transpose();
-    }
-    const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
+    const PrincipalAxes axes = principal_axes(points.size(), [&](std::size_t i) { return points[i]; });
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
     for (const auto& p : points) {
-        const Eigen::Vector3d q = axes.transpose() * Eigen::Vector3d(p[0] - mean[0], p[1] - mean[1], p[2] - mean[2]);
+        const Eigen::Vector3d q = axes.along(p - axes.mean);
         low = low.cwiseMin(q);
         high = high.cwiseMax(q);
     }
@@ -76,6 +69,10 @@ NewSurface new_surface(const TriangleMesh& rebuilt, const std::function<bool(con
     }
     result.share = area > 0 ? new_area / area : 0.0;
     return result;
+}
+
+double least_gap(double cell, double spacing) {
+    return std::max(1.5 * cell, 2.0 * spacing);
 }
 
 void judge_new_surface(const NewSurface& made, double size, const std::filesystem::path& file,

@@ -33,6 +33,11 @@ struct NewSurface {
 /// @param is_new  (piece, out: its distance from what the file has) -> bool; called by several threads
 NewSurface new_surface(const TriangleMesh& rebuilt, const std::function<bool(const Piece&, double&)>& is_new);
 
+/// From this distance to what the file has on, a piece of a rebuilt surface is new.
+/// @param cell     of the grid that it was rebuilt on
+/// @param spacing  of the points of a cloud: where they lie a little farther apart nothing is missing; 0 of a mesh
+double least_gap(double cell, double spacing);
+
 /// Notes how much is new.
 /// @throws ReadError if it is more than may be made up, or a gap is wider than may be closed
 void judge_new_surface(const NewSurface& made, double size, const std::filesystem::path& file,

@@ -12,6 +12,7 @@
 #include "datasets/mesh_reader.h"
 #include "datasets/point_cloud_reader.h"
 #include "datasets/read_error.h"
+#include "datasets/scan_checks.h"
 #include "datasets/solidify.h"
 #include "datasets/triangle_tree.h"
 #include "datasets/vdb_files.h"
@@ -88,11 +89,11 @@ ScalarField<3> SolidGeometry::occlusion_mask(const DyadicGrid<3>& grid, const Pl
 namespace {
 
 /// Triangles of a closed mesh that lie off the triangles of the scan it was made from.
-/// @param spacing  of the points of a cloud: where they lie a little farther apart nothing is missing
+/// @param spacing  of the points of a cloud, see least_gap
 std::vector<std::size_t> invented_triangles(const TriangleMesh& closed, const TriangleMesh& scan, double spacing) {
     const Box3 box = bounding_box(closed.points);
     const double cell = std::max({box.side()[0], box.side()[1], box.side()[2]}) / SolidifyOptions{}.cells;
-    const double off = std::max(1.5 * cell, 2.0 * spacing);
+    const double off = least_gap(cell, spacing);
     const TriangleTree tree(scan);
     std::vector<char> is_new(closed.triangles.size(), 0);
     tbb::parallel_for(std::size_t{0}, is_new.size(), [&](std::size_t t) {

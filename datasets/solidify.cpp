@@ -265,7 +265,7 @@ Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, cons
     if (rebuilt.triangles.empty()) return finished_solid(std::move(rebuilt), file, options, std::move(notes));
     // New is what lies away from all triangles, and the back that a one-sided sheet would need. Single triangles of a
     // noisy surface face anywhere, so several are asked.
-    const double near = std::max(1.5 * h, 2.0 * spacing);
+    const double near = least_gap(h, spacing);
     const auto is_new = [&](const Piece& piece, double& gap) {
         const double far = 2.0 * box.diagonal();
         gap = tree.nearest(piece.centre, far).distance;

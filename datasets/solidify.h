@@ -42,14 +42,15 @@ Solid solid_from_triangles(TriangleMesh mesh, const std::filesystem::path& file,
 
 /// The route of open, non-manifold and one-sided surfaces whose patches face outward already.
 /// @param what     a note begins with it: what the surface is like
-/// @param spacing  of the points of a cloud: where they lie a little farther apart nothing is missing
+/// @param spacing  of the points of a cloud, 0 of a mesh
 /// @throws ReadError if nothing is enclosed, or too much would be made up
 Solid closed_by_winding_numbers(TriangleMesh mesh, const std::string& what, const std::filesystem::path& file,
                                 const SolidifyOptions& options, std::vector<std::string> notes, double spacing = 0.0);
 
-/// From points spread over a surface to a solid: morphological closing. The inside is what a ball that fits through no
-/// gap between the points cannot reach from outside.
-/// @throws ReadError if nothing is enclosed or there are too few points
+/// From points spread over a surface to a solid: neighbours are joined to triangles (point_surface.h), which are closed
+/// as scans are. Where the points lie on no surface, or thin parts fall to pieces, morphological closing: the inside is
+/// what a ball that fits through no gap between the points cannot reach from outside (point_closing.h).
+/// @throws ReadError if nothing is enclosed, too much would be made up or there are too few points
 Solid solid_from_points(std::vector<Vector3> points, const std::filesystem::path& file,
                         const SolidifyOptions& options = {});
 

@@ -282,6 +282,20 @@ std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches) {
     return count;
 }
 
+void leave_out_inconsistent(TriangleMesh& mesh) {
+    const auto edges = sorted_half_edges(mesh);
+    std::vector<char> out(mesh.triangles.size(), 0);
+    for_each_edge(edges, [&](std::size_t i, std::size_t j) {
+        if (j - i == 1 || (j - i == 2 && edges[i].forward != edges[i + 1].forward)) return;
+        for (std::size_t e = i; e < j; ++e) out[edges[e].triangle] = 1;
+    });
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < out.size(); ++t) {
+        if (!out[t]) mesh.triangles[kept++] = mesh.triangles[t];
+    }
+    mesh.triangles.resize(kept);
+}
+
 void turn_inside_out(TriangleMesh& mesh) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }

@@ -117,6 +117,9 @@ Patches patches(const TriangleMesh& mesh, bool across_all_points = false);
 /// @return  number of triangles that were turned
 std::size_t orient_patches(TriangleMesh& mesh, const Patches& patches);
 
+/// Leaves out triangles at edges of three or more, and at edges whose two triangles face different sides.
+void leave_out_inconsistent(TriangleMesh& mesh);
+
 /// The same surface seen from its other side.
 void turn_inside_out(TriangleMesh& mesh);
 

@@ -234,9 +234,10 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         const auto found = known.find(entry.source.name);
         look_at_file(entry, found == known.end() ? nullptr : &found->second, settings.import);
         if (!entry.row.problem.empty() || entry.row.extent_radius > 0) return;
-        // Images need a size only for the common scale; how far solids reach says how much memory their pairs need.
+        // Images need a size only for the common scale; how far solids reach says how much memory their pairs need. For
+        // that alone no file is read twice.
         const bool new_solid = collection.dimension == 3 && entry.row.content_digest.empty();
-        if (settings.normalize != "common" && !new_solid) return;
+        if (settings.normalize != "common" && !(new_solid && kept_bytes < most_kept_bytes)) return;
         with_dimension(collection.dimension,
                        [&]<int Dim>() { measure<Dim>(entry, settings.import, collection.placement, kept_bytes); });
     });
