@@ -329,7 +329,7 @@ private:
     }
 
     /// The error is first order in the width of the rim (a step may drift by a share of it for little mismatch), so two
-    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). The bar is 1.6 times that
+    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). The bar is 1.75 times that
     /// correction (on the closed forms the order is a little below one before the limit), half the change from the last
     /// doubling of K, and what the tolerance leaves.
     void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
@@ -342,7 +342,7 @@ private:
         }
         const double rest = (result.path_length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
         result.extrapolated_length = result.path_length + rest;
-        result.error = 1.6 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
+        result.error = 1.75 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
     }
 
     const LevelSet<Dim>& a_;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/kernels/quadrature.h"
 
 namespace morphodesic {
 
@@ -12,11 +13,11 @@ double area_energy(const DyadicGrid<Dim>& grid, const double* u, double eps, dou
     constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
     const double inverse_h = grid.cells_per_unit();
-    const double quadrature_weight = std::pow(grid.spacing(), Dim) / corners;
-    double values[corners][corners], slopes[corners][corners][Dim];
-    for (int q = 0; q < corners; ++q) {
-        Point<Dim> x{};
-        for (int a = 0; a < Dim; ++a) x[a] = q1::gauss_coordinate(q, a);
+    constexpr auto& points = kernels::quadrature::points<Dim, kernels::Quadrature::many>;
+    const double quadrature_weight = std::pow(grid.spacing(), Dim) / static_cast<double>(points.size());
+    double values[points.size()][corners], slopes[points.size()][corners][Dim];
+    for (std::size_t q = 0; q < points.size(); ++q) {
+        const Point<Dim>& x = points[q];
         for (int c = 0; c < corners; ++c) {
             values[q][c] = q1::shape<Dim>(c, x);
             for (int a = 0; a < Dim; ++a) slopes[q][c][a] = q1::shape_slope<Dim>(c, x, a) * inverse_h;
@@ -24,7 +25,7 @@ double area_energy(const DyadicGrid<Dim>& grid, const double* u, double eps, dou
     }
     double sum = 0.0;
     q1::for_each_cell(grid, [&](std::size_t node) {
-        for (int q = 0; q < corners; ++q) {
+        for (std::size_t q = 0; q < points.size(); ++q) {
             double here = 0.0, slope[Dim] = {}, square = 1e-6;
             for (int c = 0; c < corners; ++c) {
                 const double value = u[node + offsets[static_cast<std::size_t>(c)]];

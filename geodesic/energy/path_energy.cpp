@@ -110,7 +110,8 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
                                        eps(),
                                        static_cast<double>(last_step),
                                        eta_,
-                                       barrier_weight * last_step};
+                                       barrier_weight * last_step,
+                                       quadrature()};
     slab.sums = kernels::step_energy_rows<Dim, T>(slab.begin, slab.end, fields, weights, out);
 }
 

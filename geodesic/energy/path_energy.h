@@ -60,6 +60,10 @@ public:
     [[nodiscard]] double eta() const { return eta_; }
     /// Width of the diffuse contour, eps = rim_width h.
     [[nodiscard]] double eps() const { return options_.rim_width * layout_.grid.spacing(); }
+    /// Points at which the integrals are taken; the narrower the rim, the more of them.
+    [[nodiscard]] kernels::Quadrature quadrature() const {
+        return options_.rim_width < 1.0 ? kernels::Quadrature::many : kernels::Quadrature::few;
+    }
     [[nodiscard]] const GeodesicOptions& options() const { return options_; }
 
     /// u_k of a path, k = 0..K.

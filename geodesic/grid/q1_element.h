@@ -8,12 +8,6 @@
 
 namespace morphodesic::q1 {
 
-/// Coordinate of Gauss point `point` along `axis` in the unit cell; 2 points per axis, exact to third order.
-constexpr double gauss_coordinate(int point, int axis) {
-    constexpr double low = 0.21132486540518711775;  // (1 - 1/sqrt 3) / 2
-    return ((point >> axis) & 1) ? 1.0 - low : low;
-}
-
 /// Offsets of the corners of a cell from its first node; bit a of the corner is its position on axis a.
 template <int Dim>
 constexpr std::array<std::size_t, 1 << Dim> corner_offsets(const DyadicGrid<Dim>& grid) {

@@ -31,23 +31,19 @@ HWY_INLINE V<D> all(D d, double value) {
     return hn::Set(d, static_cast<T<D>>(value));
 }
 
-constexpr double gauss_low = 0.21132486540518711775;  // (1 - 1/sqrt 3) / 2
-constexpr double gauss_high = 1.0 - gauss_low;
 constexpr double inverse_pi = 0.31830988618379067154;
 
-constexpr double gauss_coordinate(int point, int axis) {
-    return ((point >> axis) & 1) ? gauss_high : gauss_low;
-}
-
-/// Values at the Gauss points of the unit cell of the multilinear shape functions and of their derivatives (in units of
-/// 1 / h), as tables: [point][corner] and [point][axis][corner].
-template <int Dim>
+/// Values at the quadrature points of the unit cell of the multilinear shape functions and of their derivatives (in
+/// units of 1 / h), as tables: [point][corner] and [point][axis][corner].
+template <int Dim, Quadrature Rule>
 struct ShapeTables {
-    double value[1 << Dim][1 << Dim];
-    double slope[1 << Dim][Dim][1 << Dim];
+    static constexpr auto& at = quadrature::points<Dim, Rule>;
+    static constexpr int points = static_cast<int>(at.size());
+    double value[points][1 << Dim];
+    double slope[points][Dim][1 << Dim];
 
     constexpr ShapeTables() : value(), slope() {
-        for (int q = 0; q < (1 << Dim); ++q) {
+        for (int q = 0; q < points; ++q) {
             for (int c = 0; c < (1 << Dim); ++c) {
                 value[q][c] = 1.0;
                 for (int a = 0; a < Dim; ++a) value[q][c] *= factor(q, c, a);
@@ -60,13 +56,15 @@ struct ShapeTables {
             }
         }
     }
+    static constexpr double coordinate(int point, int axis) {
+        return at[static_cast<std::size_t>(point)][static_cast<std::size_t>(axis)];
+    }
     static constexpr double factor(int point, int corner, int axis) {
-        const double g = gauss_coordinate(point, axis);
-        return ((corner >> axis) & 1) ? g : 1.0 - g;
+        return ((corner >> axis) & 1) ? coordinate(point, axis) : 1.0 - coordinate(point, axis);
     }
 };
-template <int Dim>
-constexpr ShapeTables<Dim> shapes{};
+template <int Dim, Quadrature Rule>
+constexpr ShapeTables<Dim, Rule> shape_tables{};
 
 /// For x = det - 1 > -1: x - log(1 + x) without cancellation, and 1 / (1 + x); one division for both.
 /// With s = x / (2 + x): log(1 + x) = 2 artanh(s), hence x - log(1 + x) = x s - 2 (s^3/3 + s^5/5 + ...).
@@ -244,13 +242,14 @@ HWY_INLINE V<D> multilinear(D, const V<D> (&v)[1 << Dim], const V<D> (&fraction)
     }
 }
 
-template <int Dim, class D>
+template <int Dim, Quadrature Rule, class D>
 StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T<D>>& f, const StepWeights& s,
                         const StepGradients<Dim, T<D>>& g) {
     const hn::RebindToSigned<D> di;
     using Index = hn::TFromD<decltype(di)>;
     const int lanes = static_cast<int>(hn::Lanes(d));
-    constexpr int corners = 1 << Dim, points = 1 << Dim;
+    constexpr auto& shapes = shape_tables<Dim, Rule>;
+    constexpr int corners = 1 << Dim, points = shapes.points;
     const int cells = f.cells[0], cells_per_unit = 1 << s.level;
     double quadrature_weight = 1.0 / points;
     for (int a = 0; a < Dim; ++a) quadrature_weight /= cells_per_unit;
@@ -277,7 +276,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     const V<D> log_factor = all(d, s.mu + 0.5 * s.lambda);
     V<D> last_cell[Dim];
     for (int a = 0; a < Dim; ++a) last_cell[a] = all(d, static_cast<double>(f.cells[a] - 1));
-    const V<D> barrier_factor = all(d, quadrature_weight * s.barrier);
+    const V<D> barrier_factor = all(d, quadrature_weight * points / corners * s.barrier);
     const V<D> deformation_factor = all(d, quadrature_weight * s.deformation);
 
     // Gradients at the nodes of a row: left and right nodes of the cells apart, so that stores never overlap loads.
@@ -321,9 +320,9 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         displacement[a] = zero;
                         for (int j = 0; j < Dim; ++j) b[a][j] = zero;
                         for (int c = 0; c < corners; ++c) {
-                            displacement[a] = hn::MulAdd(all(d, shapes<Dim>.value[q][c]), w[a][c], displacement[a]);
+                            displacement[a] = hn::MulAdd(all(d, shapes.value[q][c]), w[a][c], displacement[a]);
                             for (int j = 0; j < Dim; ++j) {
-                                b[a][j] = hn::MulAdd(all(d, shapes<Dim>.slope[q][j][c]), w[a][c], b[a][j]);
+                                b[a][j] = hn::MulAdd(all(d, shapes.slope[q][j][c]), w[a][c], b[a][j]);
                             }
                         }
                         for (int j = 0; j < Dim; ++j) {
@@ -333,7 +332,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                     }
                     V<D> u_here = zero;
                     for (int c = 0; c < corners; ++c) {
-                        u_here = hn::MulAdd(all(d, shapes<Dim>.value[q][c]), u[c], u_here);
+                        u_here = hn::MulAdd(all(d, shapes.value[q][c]), u[c], u_here);
                     }
 
                     // W = mu (|B|^2 / 2 - higher) + lambda/4 D^2 + (mu + lambda/2) (D - log(1 + D)), D = det - 1.
@@ -360,7 +359,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         } else {
                             own = all(d, a == Dim - 1 ? row : middle);
                         }
-                        const V<D> position = hn::MulAdd(displacement[a], inverse_h, all(d, gauss_coordinate(q, a)));
+                        const V<D> position = hn::MulAdd(displacement[a], inverse_h, all(d, shapes.coordinate(q, a)));
                         const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(position), own), zero), last_cell[a]);
                         fraction[a] = hn::Min(hn::Max(hn::Sub(position, hn::Sub(cell, own)), zero), one);
                         gather_index = hn::Add(
@@ -375,7 +374,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                     if (f.mask) {
                         known = zero;
                         for (int c = 0; c < corners; ++c) {
-                            known = hn::MulAdd(all(d, shapes<Dim>.value[q][c]), chi[c], known);
+                            known = hn::MulAdd(all(d, shapes.value[q][c]), chi[c], known);
                         }
                     }
                     const V<D> residual = hn::Sub(smooth_heaviside(d, u_there, inverse_eps, delta_there), inside);
@@ -396,9 +395,9 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         const V<D> body = hn::Mul(scaled_force, gradient[a]);
                         for (int j = 0; j < Dim; ++j) p[a][j] = hn::Mul(p[a][j], stress_factor);
                         for (int k = 0; k < corners; ++k) {
-                            V<D> sum = hn::MulAdd(all(d, shapes<Dim>.value[q][k]), body, grad_w[a][k]);
+                            V<D> sum = hn::MulAdd(all(d, shapes.value[q][k]), body, grad_w[a][k]);
                             for (int j = 0; j < Dim; ++j) {
-                                sum = hn::MulAdd(all(d, shapes<Dim>.slope[q][j][k]), p[a][j], sum);
+                                sum = hn::MulAdd(all(d, shapes.slope[q][j][k]), p[a][j], sum);
                             }
                             grad_w[a][k] = sum;
                         }
@@ -407,7 +406,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         const V<D> softness = hn::Mul(hn::Mul(all(d, 1.0 - s.delta), deformation_factor), density);
                         const V<D> coefficient = hn::Mul(hn::Mul(delta_here, delta_factor), hn::Sub(softness, match));
                         for (int k = 0; k < corners; ++k) {
-                            grad_u[k] = hn::MulAdd(all(d, shapes<Dim>.value[q][k]), coefficient, grad_u[k]);
+                            grad_u[k] = hn::MulAdd(all(d, shapes.value[q][k]), coefficient, grad_u[k]);
                         }
                     }
                     if (with_next) {
@@ -464,6 +463,13 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     sums.deformation *= quadrature_weight;
     sums.mismatch *= quadrature_weight;
     return sums;
+}
+
+template <int Dim, class D>
+StepSums StepEnergyRows(D d, int begin, int end, const StepFields<Dim, T<D>>& f, const StepWeights& s,
+                        const StepGradients<Dim, T<D>>& g) {
+    if (s.quadrature == Quadrature::few) return StepEnergyRows<Dim, Quadrature::few>(d, begin, end, f, s, g);
+    return StepEnergyRows<Dim, Quadrature::many>(d, begin, end, f, s, g);
 }
 
 StepSums StepEnergyRows2(int begin, int end, const StepFields<2, double>& f, const StepWeights& s,

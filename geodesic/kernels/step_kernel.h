@@ -1,5 +1,7 @@
 #pragma once
 
+#include "geodesic/kernels/quadrature.h"
+
 namespace morphodesic::kernels {
 
 /// T is double, or float for the minimiser: twice the lanes, half the memory.
@@ -28,13 +30,14 @@ struct StepGradients {
 };
 
 struct StepWeights {
-    int level;           ///< L: cells have the width 2^-L
-    double lambda, mu;   ///< W, see stored_energy_density.h
-    double delta;        ///< stiffness of the background in (13)
-    double eps;          ///< width of H_eps
-    double deformation;  ///< factor of E_deform in the gradients (K in (14))
-    double mismatch;     ///< factor of E_match in the gradients (eta in (14))
-    double barrier;      ///< factor of the barrier against folds, see StepSums::barrier
+    int level;              ///< L: cells have the width 2^-L
+    double lambda, mu;      ///< W, see stored_energy_density.h
+    double delta;           ///< stiffness of the background in (13)
+    double eps;             ///< width of H_eps
+    double deformation;     ///< factor of E_deform in the gradients (K in (14))
+    double mismatch;        ///< factor of E_match in the gradients (eta in (14))
+    double barrier;         ///< factor of the barrier against folds, see StepSums::barrier
+    Quadrature quadrature;  ///< points of a cell
 };
 
 constexpr double barrier_onset = 0.25;
@@ -50,8 +53,8 @@ struct StepSums {
 };
 
 /// E_deform (13) and E_match (12) of one time step over the cells whose index on the last axis lies in
-/// [row_begin, row_end), and their gradients in phi_k, u_{k-1} and u_k. Gauss quadrature, 2 points per axis;
-/// u_k o phi_k is evaluated exactly at the quadrature points. SIMD over the cells along axis 0; the sums have a fixed
+/// [row_begin, row_end), and their gradients in phi_k, u_{k-1} and u_k. u_k o phi_k is evaluated exactly at the
+/// quadrature points. SIMD over the cells along axis 0; the sums have a fixed
 /// order, so the bits depend on the instruction set only. Where min_det <= 0 energies and gradients are meaningless.
 template <int Dim, class T>
 StepSums step_energy_rows(int row_begin, int row_end, const StepFields<Dim, T>& fields, const StepWeights& weights,

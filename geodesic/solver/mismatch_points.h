@@ -6,8 +6,13 @@
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/kernels/quadrature.h"
 
 namespace morphodesic {
+
+/// Where preconditioners look at a cell: more points do not save iterations, whatever the energy takes (measured).
+template <int Dim>
+inline constexpr auto& mismatch_points = kernels::quadrature::points<Dim, kernels::Quadrature::few>;
 
 /// A quadrature point of one time step that is close to a contour, before or after the deformation.
 template <int Dim>
@@ -29,11 +34,10 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, co
     const auto offsets = q1::corner_offsets(grid);
     const double per_cell = grid.cells_per_unit(), far = 6.0 * eps;
     MismatchPoint<Dim> p{};
-    double shape[corners][corners];
-    Point<Dim> gauss[corners];
-    for (int q = 0; q < corners; ++q) {
-        for (int a = 0; a < Dim; ++a) gauss[q][static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
-        for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, gauss[q]);
+    constexpr auto& points = mismatch_points<Dim>;
+    double shape[points.size()][corners];
+    for (std::size_t q = 0; q < points.size(); ++q) {
+        for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, points[q]);
     }
     typename DyadicGrid<Dim>::Index cell{};
     for (std::size_t number = 0; number < grid.cell_count(); ++number) {
@@ -68,12 +72,12 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, co
             const double reach = (far + 2.0 * grid.spacing()) * std::max(1.0, (*high_to - *low_to) * per_cell);
             if (*low_to > reach || *high_to < -reach) continue;
         }
-        for (int q = 0; q < corners; ++q) {
+        for (std::size_t q = 0; q < points.size(); ++q) {
             Point<Dim> y{};
             double before = 0.0;
             for (int a = 0; a < Dim; ++a) {
                 const auto at = static_cast<std::size_t>(a);
-                y[at] = (low[at] + gauss[q][at]) / per_cell;
+                y[at] = (low[at] + points[q][at]) / per_cell;
                 for (int c = 0; c < corners; ++c) y[at] += shape[q][c] * p.displacement[a][c];
             }
             for (int c = 0; c < corners; ++c) before += shape[q][c] * u_from[c];
@@ -89,7 +93,7 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, co
             double steep_to = 1.0;
             for (const double g : p.slope) steep_to = std::max(steep_to, std::abs(g));
             if (std::abs(after) > far * steep_to && std::abs(before) > far * steep_from) continue;
-            p.fraction = gauss[q];
+            p.fraction = points[q];
             p.there = smooth_delta(after, eps);
             p.here = smooth_delta(before, eps);
             visit(p);

@@ -97,7 +97,8 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
     std::vector<ShapeMass> masses(static_cast<std::size_t>(layout_.time_steps));
     const auto offsets = q1::corner_offsets(layout_.grid);
-    const double mass_unit = coupling * 2.0 * energy.eta() * node_volume / (1 << Dim);
+    const double mass_unit =
+        coupling * 2.0 * energy.eta() * node_volume / static_cast<double>(mismatch_points<Dim>.size());
     if constexpr (Dim == 3) vectors_.clear();  // not needed while operators are built, when most memory is in use
     if (transport_) transport_->follow(energy, x);
     oneapi::tbb::this_task_arena::isolate([&] {

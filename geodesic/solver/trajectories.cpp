@@ -7,6 +7,7 @@
 
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/solver/mismatch_points.h"
 
 namespace morphodesic {
 
@@ -123,9 +124,7 @@ std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, co
             near = near || std::abs(v[c]) < 8 * eps || v[c] * v[0] < 0;
         }
         if (!near) return;
-        for (int q = 0; q < (1 << Dim); ++q) {
-            Point<Dim> y{};
-            for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
+        for (const Point<Dim>& y : mismatch_points<Dim>) {
             double value = 0.0, g[Dim] = {};
             for (int c = 0; c < (1 << Dim); ++c) {
                 value += q1::shape<Dim>(c, y) * v[c];

@@ -27,7 +27,7 @@ constexpr int level_of(int dim) {
 enum class Part { deformations, shapes, all };
 
 template <int Dim>
-double order(const GeodesicOptions& options, Part part, const ScalarField<Dim>& mask = {}) {
+double order(const GeodesicOptions& options, Part part, const ScalarField<Dim>& mask = {}, double step = 0.1) {
     tests::PathProblem<Dim> problem(level_of(Dim), 2, options, mask);
     const auto& layout = problem.energy.layout();
     for (std::size_t i = 0; i < layout.size(); ++i) {
@@ -40,7 +40,7 @@ double order(const GeodesicOptions& options, Part part, const ScalarField<Dim>& 
     for (std::size_t i = 0; i < gradient.size(); ++i) norm += std::abs(gradient[i] * problem.direction[i]);
     EXPECT_GT(norm, 1e-6) << "a gradient without effect would pass for the wrong reason";
     const auto energy = [&](const std::vector<double>& x) { return problem.energy.evaluate(x, {}).total; };
-    return tests::taylor_order(energy, gradient, problem.x, problem.direction, 0.1 * layout.grid.spacing());
+    return tests::taylor_order(energy, gradient, problem.x, problem.direction, step * layout.grid.spacing());
 }
 
 /// Only one of the three energies.
@@ -76,7 +76,8 @@ TYPED_TEST(PathEnergyIn, MismatchGradientInUPassesTaylorTest) {
     EXPECT_NEAR(order<TypeParam::value>(only_mismatch(), Part::shapes), 2.0, 0.1);
 }
 TYPED_TEST(PathEnergyIn, AreaGradientInUPassesTaylorTest) {
-    EXPECT_NEAR(order<TypeParam::value>(only_area(), Part::shapes), 2.0, 0.1);
+    // |grad u| is the least smooth of all terms, so the steps are small.
+    EXPECT_NEAR(order<TypeParam::value>(only_area(), Part::shapes, {}, 0.01), 2.0, 0.1);
 }
 TYPED_TEST(PathEnergyIn, WholeGradientPassesTaylorTest) {
     GeodesicOptions o;
@@ -162,10 +163,10 @@ double naive_energy(const PathEnergy<Dim>& energy, const std::vector<double>& x,
     double total = 0.0;
     for (int k = 1; k <= layout.time_steps; ++k) {
         q1::for_each_cell(grid, [&](std::size_t node) {
-            for (int q = 0; q < (1 << Dim); ++q) {
-                Point<Dim> local{}, here = grid.position(grid.node(node));
+            const auto points = kernels::quadrature_points<Dim>(energy.quadrature());
+            for (const Point<Dim>& local : points) {
+                Point<Dim> here = grid.position(grid.node(node));
                 for (int a = 0; a < Dim; ++a) {
-                    local[static_cast<std::size_t>(a)] = q1::gauss_coordinate(q, a);
                     here[static_cast<std::size_t>(a)] += h * local[static_cast<std::size_t>(a)];
                 }
                 const double u = q1::value(grid, energy.level_set(x, k - 1), here);
@@ -184,7 +185,7 @@ double naive_energy(const PathEnergy<Dim>& energy, const std::vector<double>& x,
                 const double v = q1::value(grid, energy.level_set(x, k), there);
                 const double weight = (1 - o.outside_stiffness) * smooth_heaviside(u, eps) + o.outside_stiffness;
                 const double residual = smooth_heaviside(v, eps) - smooth_heaviside(u, eps);
-                const double volume = std::pow(h, Dim) / (1 << Dim);
+                const double volume = std::pow(h, Dim) / static_cast<double>(points.size());
                 total += volume * (layout.time_steps * weight * stored_energy_density<Dim>(b, o.lambda, o.mu) +
                                    energy.eta() * chi * residual * residual);
             }
@@ -197,9 +198,13 @@ TYPED_TEST(PathEnergyIn, KernelsAgreeWithTheFormulas) {
     constexpr int dim = TypeParam::value;
     ScalarField<dim> mask{DyadicGrid<dim>(4)};
     for (std::size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = mask.grid.position(mask.grid.node(i))[1];
-    tests::PathProblem<dim> problem(4, 3, GeodesicOptions{}, mask);
-    const double fast = problem.energy.evaluate(problem.x, {}).total;
-    EXPECT_NEAR(fast, naive_energy<dim>(problem.energy, problem.x, mask), 1e-11 * fast);
+    for (const double rim_width : {0.5, 1.0}) {
+        GeodesicOptions options;
+        options.rim_width = rim_width;
+        tests::PathProblem<dim> problem(4, 3, options, mask);
+        const double fast = problem.energy.evaluate(problem.x, {}).total;
+        EXPECT_NEAR(fast, naive_energy<dim>(problem.energy, problem.x, mask), 1e-11 * fast);
+    }
 }
 
 TYPED_TEST(PathEnergyIn, BitsDoNotDependOnThreads) {
