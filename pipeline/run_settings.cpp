@@ -69,7 +69,7 @@ const std::vector<Preset>& presets() {
         {"standard",
          "level 6, 4 steps: for studies; 0.12 s of a core per 2D pair, distances some 5 % short, extrapolated within "
          "1.5 %",
-         6, 4, 1e-3, 6},
+         6, 4, 1e-3, 8},
         {"fine",
          "level 7, 8 steps: for final numbers; eleven times the cost of standard, some 2.5 % short, extrapolated "
          "within 0.5 %",
