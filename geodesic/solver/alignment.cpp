@@ -7,9 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "geodesic/energy/heaviside.h"
-#include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
+#include "geodesic/kernels/alignment_kernel.h"
 #include "geodesic/kernels/heaviside_kernel.h"
 #include "geodesic/solver/small_rotation.h"
 
@@ -71,7 +70,6 @@ struct Motion {
 template <int Dim>
 class MismatchProblem {
 public:
-    static constexpr int angle_count = Dim == 2 ? 1 : 3;
     using Normal = Eigen::MatrixXd;
 
     MismatchProblem(const LevelSet<Dim>& a, const LevelSet<Dim>& b, int level)
@@ -82,68 +80,43 @@ public:
     }
 
     double evaluate(const Motion<Dim>& m, Eigen::VectorXd* gradient, Normal* normal, bool rotate) const {
-        constexpr int unknowns = angle_count + Dim;
+        constexpr int unknowns = kernels::motion_unknowns<Dim>;
+        const DyadicGrid<Dim>& grid = a_.grid;
         const Matrix<Dim> back = m.rotation.transpose();
         const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
-        const double volume = std::pow(a_.grid.spacing(), Dim), inverse_h = a_.grid.cells_per_unit();
-        const auto offsets = q1::corner_offsets(a_.grid);
-        double sum = 0.0;
-        Eigen::Matrix<double, unknowns, 1> forces = Eigen::Matrix<double, unknowns, 1>::Zero();
-        Eigen::Matrix<double, unknowns, unknowns> products = Eigen::Matrix<double, unknowns, unknowns>::Zero();
-        // Row by row, so that H_eps is taken of many values at once.
-        const auto row_nodes = static_cast<std::size_t>(a_.grid.nodes(0));
-        std::vector<double> u(row_nodes), inside(row_nodes);
-        std::vector<Vector<Dim>> slopes(gradient ? row_nodes : 0);
-        for (std::size_t first = 0; first < target_.size(); first += row_nodes) {
-            const Vector<Dim> x0 = as_vector<Dim>(a_.grid.position(a_.grid.node(first))) - centre - m.translation;
-            const Vector<Dim> y0 = back * x0 + centre, along = back.col(0) * a_.grid.spacing();
-            for (std::size_t i = 0; i < row_nodes; ++i) {
-                const Vector<Dim> y = y0 + static_cast<double>(i) * along;
-                Point<Dim> at{};
-                double beyond = 0.0;
-                for (int c = 0; c < Dim; ++c) {
-                    at[static_cast<std::size_t>(c)] = y(c);
-                    const double over = y(c) - std::clamp(y(c), 0.0, 1.0);
-                    beyond += over * over;
-                }
-                const auto where = q1::locate(a_.grid, at);
-                u[i] = beyond > 0.0 ? -std::sqrt(beyond) : 0.0;
-                Vector<Dim> slope = Vector<Dim>::Zero();
-                for (int c = 0; c < (1 << Dim); ++c) {
-                    const double v = a_.values[where.node + offsets[static_cast<std::size_t>(c)]];
-                    u[i] += q1::shape<Dim>(c, where.fraction) * v;
-                    if (!gradient) continue;
-                    for (int d = 0; d < Dim; ++d)
-                        slope(d) += q1::shape_slope<Dim>(c, where.fraction, d) * v * inverse_h;
-                }
-                if (gradient) slopes[i] = slope;
-            }
-            kernels::smooth_heaviside(u, eps_, inside);
-            for (std::size_t i = 0; i < row_nodes; ++i) {
-                const double r = inside[i] - target_[first + i];
-                sum += volume * r * r;
-                if (!gradient) continue;
-                // y depends on a further small rotation exp(w) and translation t as back (exp(-w) z - t),
-                // z = x - c - t0.
-                const Vector<Dim> force = m.rotation * slopes[i] * smooth_delta(u[i], eps_);
-                Vector<Dim> z = x0;
-                z(0) += static_cast<double>(i) * a_.grid.spacing();
-                Eigen::Matrix<double, unknowns, 1> row;
-                if constexpr (Dim == 2) {
-                    row(0) = rotate ? -(force(1) * z(0) - force(0) * z(1)) : 0.0;
-                } else {
-                    row.template head<3>() = rotate ? Vector<3>(-z.cross(force)) : Vector<3>(Vector<3>::Zero());
-                }
-                row.template tail<Dim>() = -force;
-                forces += 2 * volume * r * row;
-                products += 2 * volume * row * row.transpose();
-            }
+        kernels::AlignmentSums<Dim> sums;
+        kernels::AlignmentRow<Dim> row{};
+        row.field = a_.values.data();
+        row.count = static_cast<std::size_t>(grid.nodes(0));
+        row.spacing = grid.spacing();
+        row.eps = eps_;
+        row.rotate = rotate;
+        for (int c = 0; c < Dim; ++c) {
+            row.cells[c] = grid.cells(c);
+            row.step[c] = back(c, 0);
+            for (int b = 0; b < Dim; ++b) row.rotation[c][b] = m.rotation(c, b);
         }
+        for (std::size_t first = 0; first < target_.size(); first += row.count) {
+            // y = back (exp(-w) z - t) for a further small rotation exp(w) and translation t, z = x - c - t0.
+            const Vector<Dim> z = as_vector<Dim>(grid.position(grid.node(first))) - centre - m.translation;
+            const Vector<Dim> y = back * z + centre;
+            for (int c = 0; c < Dim; ++c) {
+                row.first[c] = y(c) * grid.cells_per_unit();
+                row.from_centre[c] = z(c);
+            }
+            row.target = target_.data() + first;
+            kernels::add_row<Dim>(row, gradient != nullptr, sums);
+        }
+        const double volume = std::pow(grid.spacing(), Dim);
         if (gradient) {
-            *gradient = forces;
-            *normal = products;
+            gradient->resize(unknowns);
+            normal->resize(unknowns, unknowns);
+            for (int i = 0; i < unknowns; ++i) {
+                (*gradient)(i) = 2 * volume * sums.force[i];
+                for (int j = 0; j <= i; ++j) (*normal)(i, j) = (*normal)(j, i) = 2 * volume * sums.product[i][j];
+            }
         }
-        return sum;
+        return volume * sums.square;
     }
 
     /// Levenberg-Marquardt; returns the mismatch.

@@ -56,7 +56,9 @@ void energy_and_gradient(benchmark::State& state) {
             benchmark::DoNotOptimize(problem.energy.evaluate(problem.x, gradient).total);
         }
     }
-    const double points = steps * static_cast<double>(problem.energy.layout().grid.cell_count()) * (1 << Dim);
+    const double points =
+        steps * static_cast<double>(problem.energy.layout().grid.cell_count() *
+                                    kernels::quadrature_points<Dim>(problem.energy.quadrature()).size());
     state.counters["per_point"] =
         benchmark::Counter(points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }

@@ -1,0 +1,115 @@
+#include "geodesic/kernels/alignment_kernel.h"
+
+#include <numbers>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "geodesic/kernels/alignment_kernel.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// clang-format off
+#include "hwy/highway.h"
+#include "hwy/contrib/math/math-inl.h"
+#include "geodesic/kernels/multilinear-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace morphodesic::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int Dim>
+void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& sums) {
+    constexpr int unknowns = motion_unknowns<Dim>, angles = unknowns - Dim, corners = 1 << Dim;
+    const hn::CappedTag<double, 8> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    using V = hn::Vec<decltype(d)>;
+    const auto all = [&](double value) HWY_ATTR { return hn::Set(d, value); };
+    std::ptrdiff_t stride[Dim], corner_offset[corners] = {};
+    stride[0] = 1;
+    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * (row.cells[a - 1] + 1);
+    for (int c = 0; c < corners; ++c) {
+        for (int a = 0; a < Dim; ++a) corner_offset[c] += ((c >> a) & 1) * stride[a];
+    }
+    const V zero = hn::Zero(d), one = all(1.0), inverse_eps = all(1.0 / row.eps);
+    const V peak = all(std::numbers::inv_pi / (row.eps * row.spacing));  // of delta_eps, times 1 / h of the slopes
+    V square = zero, force_sum[unknowns], product_sum[unknowns][unknowns];
+    for (int i = 0; i < unknowns; ++i) {
+        force_sum[i] = zero;
+        for (int j = 0; j <= i; ++j) product_sum[i][j] = zero;
+    }
+    for (std::size_t i = 0; i < row.count; i += hn::Lanes(d)) {
+        const V index = hn::Iota(d, static_cast<double>(i));
+        const auto exists = hn::Lt(index, all(static_cast<double>(row.count)));
+        V fraction[Dim], beyond = zero;
+        auto node = hn::Zero(di);
+        for (int a = 0; a < Dim; ++a) {
+            const V place = hn::MulAdd(index, all(row.step[a]), all(row.first[a]));
+            const V inside = hn::Min(hn::Max(place, zero), all(row.cells[a]));
+            const V over = hn::Sub(place, inside), cell = hn::Min(hn::Floor(inside), all(row.cells[a] - 1));
+            beyond = hn::MulAdd(over, over, beyond);
+            fraction[a] = hn::Sub(inside, cell);
+            node = hn::Add(node, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, stride[a])));
+        }
+        V v[corners], slope[Dim];
+        for (int c = 0; c < corners; ++c) v[c] = hn::GatherIndex(d, row.field + corner_offset[c], node);
+        const V u = hn::NegMulAdd(hn::Sqrt(beyond), all(row.spacing), multilinear<Dim>(d, v, fraction, slope));
+        const V t = hn::Mul(u, inverse_eps);
+        const V heaviside = hn::MulAdd(hn::Atan(d, t), all(std::numbers::inv_pi), all(0.5));
+        const V target = hn::MaskedLoad(exists, d, row.target + i);
+        const V residual = hn::IfThenElseZero(exists, hn::Sub(heaviside, target));
+        square = hn::MulAdd(residual, residual, square);
+        if (!derivatives) continue;
+
+        const V delta = hn::IfThenElseZero(exists, hn::Div(peak, hn::MulAdd(t, t, one)));
+        V force[Dim], z[Dim], derivative[unknowns];
+        for (int a = 0; a < Dim; ++a) {
+            V turned = zero;
+            for (int b = 0; b < Dim; ++b) turned = hn::MulAdd(all(row.rotation[a][b]), slope[b], turned);
+            force[a] = hn::Mul(turned, delta);
+            z[a] = all(row.from_centre[a]);
+            derivative[angles + a] = hn::Neg(force[a]);
+        }
+        z[0] = hn::MulAdd(index, all(row.spacing), z[0]);
+        // - z x force, in 2D its third component.
+        for (int a = 0; a < angles; ++a) {
+            const int j = Dim == 2 ? 0 : (a + 1) % 3, k = Dim == 2 ? 1 : (a + 2) % 3;
+            derivative[a] = row.rotate ? hn::MulSub(z[k], force[j], hn::Mul(z[j], force[k])) : zero;
+        }
+        for (int a = 0; a < unknowns; ++a) {
+            force_sum[a] = hn::MulAdd(residual, derivative[a], force_sum[a]);
+            for (int b = 0; b <= a; ++b)
+                product_sum[a][b] = hn::MulAdd(derivative[a], derivative[b], product_sum[a][b]);
+        }
+    }
+    sums.square += hn::GetLane(hn::SumOfLanes(d, square));
+    for (int a = 0; derivatives && a < unknowns; ++a) {
+        sums.force[a] += hn::GetLane(hn::SumOfLanes(d, force_sum[a]));
+        for (int b = 0; b <= a; ++b) sums.product[a][b] += hn::GetLane(hn::SumOfLanes(d, product_sum[a][b]));
+    }
+}
+
+void AddRow2(const AlignmentRow<2>& row, bool derivatives, AlignmentSums<2>& sums) {
+    AddRow<2>(row, derivatives, sums);
+}
+void AddRow3(const AlignmentRow<3>& row, bool derivatives, AlignmentSums<3>& sums) {
+    AddRow<3>(row, derivatives, sums);
+}
+
+}  // namespace morphodesic::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace morphodesic::kernels {
+
+HWY_EXPORT(AddRow2);
+HWY_EXPORT(AddRow3);
+
+template <>
+void add_row<2>(const AlignmentRow<2>& row, bool derivatives, AlignmentSums<2>& sums) {
+    HWY_DYNAMIC_DISPATCH(AddRow2)(row, derivatives, sums);
+}
+template <>
+void add_row<3>(const AlignmentRow<3>& row, bool derivatives, AlignmentSums<3>& sums) {
+    HWY_DYNAMIC_DISPATCH(AddRow3)(row, derivatives, sums);
+}
+
+}  // namespace morphodesic::kernels
+#endif

@@ -1,0 +1,47 @@
+// Included once for every instruction set by the kernels, see foreach_target.h of Highway.
+#if defined(MORPHODESIC_MULTILINEAR_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MORPHODESIC_MULTILINEAR_INL_H
+#undef MORPHODESIC_MULTILINEAR_INL_H
+#else
+#define MORPHODESIC_MULTILINEAR_INL_H
+#endif
+
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace morphodesic::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Value and gradient (in units of 1 / h) of the multilinear function with corner values v at a point of the cell.
+template <int Dim, class D>
+HWY_INLINE hn::Vec<D> multilinear(D, const hn::Vec<D> (&v)[1 << Dim], const hn::Vec<D> (&fraction)[Dim],
+                                  hn::Vec<D> (&gradient)[Dim]) {
+    if constexpr (Dim == 2) {
+        const hn::Vec<D> low = hn::Sub(v[1], v[0]), high = hn::Sub(v[3], v[2]);
+        const hn::Vec<D> bottom = hn::MulAdd(fraction[0], low, v[0]);
+        const hn::Vec<D> top = hn::MulAdd(fraction[0], high, v[2]);
+        gradient[0] = hn::MulAdd(fraction[1], hn::Sub(high, low), low);
+        gradient[1] = hn::Sub(top, bottom);
+        return hn::MulAdd(fraction[1], gradient[1], bottom);
+    } else {
+        hn::Vec<D> slope_x[4], value_x[4];
+        for (int c = 0; c < 4; ++c) {
+            slope_x[c] = hn::Sub(v[2 * c + 1], v[2 * c]);
+            value_x[c] = hn::MulAdd(fraction[0], slope_x[c], v[2 * c]);
+        }
+        hn::Vec<D> slope_xy[2], slope_y[2], value_xy[2];
+        for (int c = 0; c < 2; ++c) {
+            slope_xy[c] = hn::MulAdd(fraction[1], hn::Sub(slope_x[2 * c + 1], slope_x[2 * c]), slope_x[2 * c]);
+            slope_y[c] = hn::Sub(value_x[2 * c + 1], value_x[2 * c]);
+            value_xy[c] = hn::MulAdd(fraction[1], slope_y[c], value_x[2 * c]);
+        }
+        gradient[0] = hn::MulAdd(fraction[2], hn::Sub(slope_xy[1], slope_xy[0]), slope_xy[0]);
+        gradient[1] = hn::MulAdd(fraction[2], hn::Sub(slope_y[1], slope_y[0]), slope_y[0]);
+        gradient[2] = hn::Sub(value_xy[1], value_xy[0]);
+        return hn::MulAdd(fraction[2], gradient[2], value_xy[0]);
+    }
+}
+
+}  // namespace morphodesic::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
