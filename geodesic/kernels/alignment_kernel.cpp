@@ -1,5 +1,6 @@
 #include "geodesic/kernels/alignment_kernel.h"
 
+#include <algorithm>
 #include <numbers>
 
 #undef HWY_TARGET_INCLUDE
@@ -35,7 +36,14 @@ void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& 
         force_sum[i] = zero;
         for (int j = 0; j <= i; ++j) product_sum[i][j] = zero;
     }
-    for (std::size_t i = 0; i < row.count; i += hn::Lanes(d)) {
+    const std::size_t lanes = hn::Lanes(d);
+    HWY_ALIGN double rest[8] = {};
+    const auto targets_from = [&](std::size_t i) {  // nothing is read beyond the row
+        if (i + lanes <= row.count) return row.target + i;
+        std::copy(row.target + i, row.target + row.count, rest);
+        return static_cast<const double*>(rest);
+    };
+    for (std::size_t i = 0; i < row.count; i += lanes) {
         const V index = hn::Iota(d, static_cast<double>(i));
         const auto exists = hn::Lt(index, all(static_cast<double>(row.count)));
         V fraction[Dim], beyond = zero;
@@ -53,8 +61,7 @@ void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& 
         const V u = hn::NegMulAdd(hn::Sqrt(beyond), all(row.spacing), multilinear<Dim>(d, v, fraction, slope));
         const V t = hn::Mul(u, inverse_eps);
         const V heaviside = hn::MulAdd(hn::Atan(d, t), all(std::numbers::inv_pi), all(0.5));
-        const V target = hn::MaskedLoad(exists, d, row.target + i);
-        const V residual = hn::IfThenElseZero(exists, hn::Sub(heaviside, target));
+        const V residual = hn::IfThenElseZero(exists, hn::Sub(heaviside, hn::LoadU(d, targets_from(i))));
         square = hn::MulAdd(residual, residual, square);
         if (!derivatives) continue;
 
