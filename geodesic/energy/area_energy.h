@@ -4,8 +4,8 @@
 
 namespace morphodesic {
 
-/// Length of the contour (area of the surface) of {u > 0}: the total variation int |grad H_eps(u)| dx,
-/// taken at the points of kernels::Quadrature::many; |grad u| is regularised by 1e-3, so that the energy is smooth.
+/// Length of the contour (area of the surface) of {u > 0}: the total variation int |grad H_eps(u)| dx, taken
+/// at the points of kernels::Quadrature::many; |grad u| is regularised by 1e-3, so that the energy is smooth.
 /// @param u         [N] level set
 /// @param factor    factor of the energy in the gradient
 /// @param gradient  [N], the gradient in u is added; null: not wanted

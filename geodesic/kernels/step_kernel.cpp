@@ -223,8 +223,9 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     constexpr auto& shapes = shape_tables<Dim, Rule>;
     constexpr int corners = 1 << Dim, points = shapes.points;
     const int cells = f.cells[0], cells_per_unit = 1 << s.level;
-    double quadrature_weight = 1.0 / points;
-    for (int a = 0; a < Dim; ++a) quadrature_weight /= cells_per_unit;
+    double cell_volume = 1.0;
+    for (int a = 0; a < Dim; ++a) cell_volume /= cells_per_unit;
+    const double quadrature_weight = cell_volume / points;
 
     std::ptrdiff_t stride[Dim];
     stride[0] = 1;
@@ -248,7 +249,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     const V<D> log_factor = all(d, s.mu + 0.5 * s.lambda);
     V<D> last_cell[Dim];
     for (int a = 0; a < Dim; ++a) last_cell[a] = all(d, static_cast<double>(f.cells[a] - 1));
-    const V<D> barrier_factor = all(d, quadrature_weight * points / corners * s.barrier);
+    const V<D> barrier_factor = all(d, cell_volume / corners * s.barrier);
     const V<D> deformation_factor = all(d, quadrature_weight * s.deformation);
 
     // Gradients at the nodes of a row: left and right nodes of the cells apart, so that stores never overlap loads.

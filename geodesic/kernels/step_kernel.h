@@ -54,8 +54,8 @@ struct StepSums {
 
 /// E_deform (13) and E_match (12) of one time step over the cells whose index on the last axis lies in
 /// [row_begin, row_end), and their gradients in phi_k, u_{k-1} and u_k. u_k o phi_k is evaluated exactly at the
-/// quadrature points. SIMD over the cells along axis 0; the sums have a fixed
-/// order, so the bits depend on the instruction set only. Where min_det <= 0 energies and gradients are meaningless.
+/// quadrature points. SIMD over the cells along axis 0; the sums have a fixed order, so the bits depend on the
+/// instruction set only. Where min_det <= 0 energies and gradients are meaningless.
 template <int Dim, class T>
 StepSums step_energy_rows(int row_begin, int row_end, const StepFields<Dim, T>& fields, const StepWeights& weights,
                           const StepGradients<Dim, T>& gradients);

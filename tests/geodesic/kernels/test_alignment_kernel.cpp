@@ -54,29 +54,46 @@ struct Problem {
         return Eigen::Map<const Vector>(x.data()) - Vector::Constant(0.5) - translation;
     }
 
-    [[nodiscard]] kernels::AlignmentSums<Dim> sums(const Eigen::VectorXd& change, bool derivatives) const {
+    /// Sums of every `count` nodes in turn.
+    [[nodiscard]] std::vector<kernels::AlignmentSums<Dim>> parts(std::size_t count, const Eigen::VectorXd& change,
+                                                                 bool derivatives) const {
         std::vector<double> target(b.values.size());
         for (std::size_t i = 0; i < target.size(); ++i) target[i] = smooth_heaviside(b.values[i], eps);
-        kernels::AlignmentSums<Dim> result;
+        const Vector step = place(from_centre(1), change) - place(from_centre(0), change);
         kernels::AlignmentRow<Dim> row{};
         row.field = a.values.data();
-        row.count = static_cast<std::size_t>(a.grid.nodes(0));
+        row.count = count;
         row.spacing = a.grid.spacing();
         row.eps = eps;
         row.rotate = true;
-        for (std::size_t first = 0; first < target.size(); first += row.count) {
-            const Vector z = from_centre(first), y = place(z, change), next = place(from_centre(first + 1), change);
+        std::vector<kernels::AlignmentSums<Dim>> result;
+        for (std::size_t first = 0; first < target.size(); first += count) {
+            const Vector z = from_centre(first), y = place(z, change);
             for (int c = 0; c < Dim; ++c) {
                 row.cells[c] = a.grid.cells(c);
                 row.first[c] = y(c) * a.grid.cells_per_unit();
-                row.step[c] = (next(c) - y(c)) * a.grid.cells_per_unit();
+                row.step[c] = step(c) * a.grid.cells_per_unit();
                 row.from_centre[c] = z(c);
                 for (int d = 0; d < Dim; ++d) row.rotation[c][d] = rotation(c, d);
             }
             row.target = target.data() + first;
-            kernels::add_row<Dim>(row, derivatives, result);
+            kernels::add_row<Dim>(row, derivatives, result.emplace_back());
         }
         return result;
+    }
+    [[nodiscard]] static kernels::AlignmentSums<Dim> sum_of(const std::vector<kernels::AlignmentSums<Dim>>& parts) {
+        kernels::AlignmentSums<Dim> total;
+        for (const auto& part : parts) {
+            total.square += part.square;
+            for (int i = 0; i < unknowns; ++i) {
+                total.force[i] += part.force[i];
+                for (int j = 0; j <= i; ++j) total.product[i][j] += part.product[i][j];
+            }
+        }
+        return total;
+    }
+    [[nodiscard]] kernels::AlignmentSums<Dim> sums(const Eigen::VectorXd& change, bool derivatives) const {
+        return sum_of(parts(static_cast<std::size_t>(a.grid.nodes(0)), change, derivatives));
     }
 };
 
@@ -117,7 +134,7 @@ TYPED_TEST(AlignmentKernelIn, ForcesAreDifferencesOfTheMismatch) {
     }
 }
 
-TYPED_TEST(AlignmentKernelIn, ProductsAreThoseOfTheDerivatives) {
+TYPED_TEST(AlignmentKernelIn, ProductsBoundTheForces) {
     constexpr int dim = TypeParam::value, unknowns = Problem<dim>::unknowns;
     const auto sums = Problem<dim>().sums(Eigen::VectorXd::Zero(unknowns), true);
     Eigen::MatrixXd product(unknowns, unknowns);
@@ -131,6 +148,30 @@ TYPED_TEST(AlignmentKernelIn, ProductsAreThoseOfTheDerivatives) {
     EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0);
     for (int i = 0; i < unknowns; ++i) EXPECT_LE(force(i) * force(i), product(i, i) * sums.square) << i;
     EXPECT_LE(force.dot(product.ldlt().solve(force)), sums.square);
+}
+
+TYPED_TEST(AlignmentKernelIn, OneNodeHasTheProductOfItsDerivatives) {
+    constexpr int dim = TypeParam::value, unknowns = Problem<dim>::unknowns;
+    const Problem<dim> problem;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(unknowns);
+    const auto nodes = problem.parts(1, none, true);
+    for (const auto& node : nodes) {  // r^2, r J and J J^T of one node
+        for (int i = 0; i < unknowns; ++i) {
+            for (int j = 0; j <= i; ++j) {
+                const double expected = node.force[i] * node.force[j];
+                ASSERT_NEAR(node.product[i][j] * node.square, expected, 1e-12 * std::abs(expected) + 1e-30);
+            }
+        }
+    }
+    // Rows are no whole number of vectors; what is beyond them does not count.
+    const auto single = problem.sum_of(nodes), whole = problem.sums(none, true);
+    EXPECT_NEAR(single.square, whole.square, 1e-12 * whole.square);
+    for (int i = 0; i < unknowns; ++i) {
+        EXPECT_NEAR(single.force[i], whole.force[i], 1e-10 * std::abs(whole.force[0])) << i;
+        for (int j = 0; j <= i; ++j) {
+            EXPECT_NEAR(single.product[i][j], whole.product[i][j], 1e-10 * whole.product[0][0]) << i << j;
+        }
+    }
 }
 
 }  // namespace
