@@ -343,7 +343,7 @@ double resident_megabytes(pid_t process) {
 
 TEST(Soak, ManyPairsTakeNoMoreMemoryThanFew) {
     const char* asked = std::getenv("MORPHODESIC_SOAK");  // shapes
-    const int shapes = asked ? std::atoi(asked) : 30;
+    const int shapes = asked ? std::atoi(asked) : 60;
     const long pairs = static_cast<long>(shapes) * (shapes - 1) / 2;
     const TemporaryFolder folder;
     const std::string men = (folder / "men").string();
@@ -374,13 +374,14 @@ TEST(Soak, ManyPairsTakeNoMoreMemoryThanFew) {
     double early = 0, late = 0;
     for (const auto& [rows, megabytes] : samples) {
         if (asked) std::cout << rows << " pairs, " << megabytes << " MB\n";
-        if (rows >= pairs / 10 && rows <= pairs / 2) early = std::max(early, megabytes);
+        if (rows >= pairs / 4 && rows <= pairs / 2) early = std::max(early, megabytes);
         if (rows > pairs / 2) late = std::max(late, megabytes);
     }
     ASSERT_GT(early, 0);
     ASSERT_GT(late, 0);
-    // The list of what is done, and what the allocator keeps; a leak of one grid (8 kB) a pair would be far more.
-    EXPECT_LT(late, early + 3 + static_cast<double>(pairs) * 2e-3);
+    // Both ranges begin when the allocator has what it keeps (after some 150 pairs; before, 5 MB are still to come).
+    // What may grow is the list of what is done; a leak of 8 kB a pair would be 7 MB here.
+    EXPECT_LT(late, early + 3 + static_cast<double>(pairs) * 5e-4);
 }
 
 TEST_F(RandomFaults, ClockThatJumpsChangesNothing) {
