@@ -51,7 +51,7 @@ PathEnergy<Dim>::PathEnergy(const LevelSet<Dim>& first, const LevelSet<Dim>& las
     slabs_.resize(static_cast<std::size_t>(time_steps));
     for (auto& slabs : slabs_) {
         for (int begin = 0; begin < cells; begin += thickness) {
-            slabs.push_back({begin, std::min(begin + thickness, cells), 0, 0, {}});
+            slabs.push_back({begin, std::min(begin + thickness, cells), 0, {}});
         }
     }
 }
@@ -76,6 +76,16 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
     fields.u_previous = k == 1 ? f.first : f.x + layout_.level_set(k - 1);
     fields.u_next = k == last_step ? f.last : f.x + layout_.level_set(k);
     fields.mask = k == 1 ? f.mask : nullptr;
+    // Rows of u_k that the deformed slab can reach.
+    const T* w = fields.displacement[Dim - 1];
+    const auto from = static_cast<std::size_t>(slab.begin) * plane, to = static_cast<std::size_t>(slab.end + 1) * plane;
+    const auto [low, high] = std::minmax_element(w + from, w + to);
+    const auto reached = [&](int row, T displacement) {
+        const double at = row + static_cast<double>(displacement) * layout_.grid.cells_per_unit();
+        return at > 0.0 ? static_cast<int>(std::min(std::floor(at), 1.0 * cells)) : 0;  // 0 for a NaN
+    };
+    slab.first_row = fields.u_next_first_row = std::min(reached(slab.begin, *low), cells - 3);
+    fields.u_next_last_row = std::max(std::min(reached(slab.end, *high) + 1, cells), slab.first_row + 3);
     if (!gradient.empty()) {
         for (int a = 0; a < Dim; ++a) out.displacement[a] = gradient.data() + layout_.displacement(k, a);
         out.u_previous = k > 1 ? gradient.data() + layout_.level_set(k - 1) : nullptr;
@@ -85,22 +95,8 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
         for (T* field : out.displacement) std::fill(field + clear_from, field + clear_to, T{});
         if (out.u_previous) std::fill(out.u_previous + clear_from, out.u_previous + clear_to, T{});
         if (k < last_step) {
-            // Rows of u_k that the deformed slab can reach.
-            const T* w = fields.displacement[Dim - 1];
-            const auto from = static_cast<std::size_t>(slab.begin) * plane;
-            const auto to = static_cast<std::size_t>(slab.end + 1) * plane;
-            const auto [low, high] = std::minmax_element(w + from, w + to);
-            const auto clamped = [&](double row) { return static_cast<int>(std::clamp(row, 0.0, 1.0 * cells)); };
-            slab.first_row =
-                clamped(std::floor(slab.begin + static_cast<double>(*low) * layout_.grid.cells_per_unit()));
-            slab.first_row = std::min(slab.first_row, cells - 1);
-            const int last_row =
-                std::max(clamped(std::floor(slab.end + static_cast<double>(*high) * layout_.grid.cells_per_unit()) + 1),
-                         slab.first_row + 1);
-            slab.rows = last_row - slab.first_row + 1;
-            scatter.assign(static_cast<std::size_t>(slab.rows) * plane, T{});
+            scatter.assign(static_cast<std::size_t>(fields.u_next_last_row - fields.u_next_first_row + 1) * plane, T{});
             out.u_next = scatter.data();
-            out.u_next_first_row = slab.first_row;
         }
     }
     const kernels::StepWeights weights{layout_.grid.level(),

@@ -83,11 +83,11 @@ public:
 
 private:
     struct Slab {
-        int begin, end;               // cells on the last axis
-        int first_row = 0, rows = 0;  // of the gradient in u_k it reaches
+        int begin, end;     // cells on the last axis
+        int first_row = 0;  // of the gradient in u_k it reaches
         kernels::StepSums sums;
     };
-    /// What evaluation in one precision needs, [K][slabs]: gradients in u_k, rows [first_row, first_row + rows).
+    /// What evaluation in one precision needs, [K][slabs]: gradients in u_k from first_row on.
     template <class T>
     using Scatter = std::vector<std::vector<std::vector<T>>>;
     /// The fields of a path in one precision, as for level_set().

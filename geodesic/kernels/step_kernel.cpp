@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -11,7 +12,10 @@
 // clang-format off
 #include "hwy/highway.h"
 #include "hwy/contrib/math/math-inl.h"
+#include "geodesic/kernels/elastic-inl.h"
 #include "geodesic/kernels/multilinear-inl.h"
+#include "geodesic/kernels/node_block-inl.h"
+#include "geodesic/kernels/vectors-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -21,79 +25,58 @@ namespace hn = hwy::HWY_NAMESPACE;
 // At most 8 lanes in double precision: level 3, the coarsest one, has 8 cells per row. In single precision level 4.
 using Double = hn::CappedTag<double, 8>;
 using Single = hn::CappedTag<float, 16>;
-template <class D>
-using V = hn::Vec<D>;
-template <class D>
-using T = hn::TFromD<D>;
-
-/// A constant in every lane.
-template <class D>
-HWY_INLINE V<D> all(D d, double value) {
-    return hn::Set(d, static_cast<T<D>>(value));
-}
-
 constexpr double inverse_pi = 0.31830988618379067154;
 
-/// Values at the quadrature points of the unit cell of the multilinear shape functions and of their derivatives (in
-/// units of 1 / h), as tables: [point][corner] and [point][axis][corner].
-template <int Dim, Quadrature Rule>
-struct ShapeTables {
+/// The monomials prod_{a in m} t_a, m a set of axes as bits, at the quadrature points; t counts from the cell's middle
+/// in units of h. Multilinear functions have one coefficient for each, as for each corner, but take fewer operations.
+template <int Dim, Quadrature Rule, class T>
+struct MonomialTable {
     static constexpr auto& at = quadrature::points<Dim, Rule>;
     static constexpr int points = static_cast<int>(at.size());
-    double value[points][1 << Dim];
-    double slope[points][Dim][1 << Dim];
+    T coordinate[points][Dim];  // from the cell's lower corner
+    T value[points][1 << Dim];
 
-    constexpr ShapeTables() : value(), slope() {
+    constexpr MonomialTable() : coordinate(), value() {
         for (int q = 0; q < points; ++q) {
-            for (int c = 0; c < (1 << Dim); ++c) {
-                value[q][c] = 1.0;
-                for (int a = 0; a < Dim; ++a) value[q][c] *= factor(q, c, a);
-                for (int axis = 0; axis < Dim; ++axis) {
-                    slope[q][axis][c] = ((c >> axis) & 1) ? 1.0 : -1.0;
-                    for (int a = 0; a < Dim; ++a) {
-                        if (a != axis) slope[q][axis][c] *= factor(q, c, a);
-                    }
-                }
+            for (int a = 0; a < Dim; ++a) coordinate[q][a] = static_cast<T>(exact(q, a));
+            for (int m = 0; m < (1 << Dim); ++m) {
+                double product = 1.0;
+                for (int a = 0; a < Dim; ++a) product *= ((m >> a) & 1) ? exact(q, a) - 0.5 : 1.0;
+                value[q][m] = static_cast<T>(product);
             }
         }
     }
-    static constexpr double coordinate(int point, int axis) {
+    static constexpr double exact(int point, int axis) {
         return at[static_cast<std::size_t>(point)][static_cast<std::size_t>(axis)];
     }
-    static constexpr double factor(int point, int corner, int axis) {
-        return ((corner >> axis) & 1) ? coordinate(point, axis) : 1.0 - coordinate(point, axis);
-    }
 };
-template <int Dim, Quadrature Rule>
-constexpr ShapeTables<Dim, Rule> shape_tables{};
+template <int Dim, Quadrature Rule, class T>
+constexpr MonomialTable<Dim, Rule, T> monomial_table{};
 
-/// For x = det - 1 > -1: x - log(1 + x) without cancellation, and 1 / (1 + x); one division for both.
-/// With s = x / (2 + x): log(1 + x) = 2 artanh(s), hence x - log(1 + x) = x s - 2 (s^3/3 + s^5/5 + ...).
-template <class D>
-HWY_INLINE V<D> minus_log1p(D d, V<D> x, V<D>& inverse) {
-    const V<D> one = all(d, 1.0), two = all(d, 2.0);
-    const V<D> det = hn::Add(one, x), sum = hn::Add(two, x);
-    const V<D> both = hn::Div(one, hn::Mul(det, sum));
-    inverse = hn::Mul(both, sum);
-    const V<D> s = hn::Mul(x, hn::Mul(both, det));
-    const V<D> y = hn::Mul(s, s), y2 = hn::Mul(y, y), y4 = hn::Mul(y2, y2);
-    const auto term = [&](double n) HWY_ATTR { return all(d, 2.0 / n); };
-    const V<D> p0 = hn::MulAdd(y, term(5), term(3)), p1 = hn::MulAdd(y, term(9), term(7));
-    const V<D> p2 = hn::MulAdd(y, term(13), term(11));
-    const V<D> q0 = hn::MulAdd(y2, p1, p0);
-    V<D> series;
-    if constexpr (sizeof(T<D>) == sizeof(float)) {
-        series = hn::MulAdd(y4, p2, q0);
-    } else {
-        const V<D> q1 = hn::MulAdd(y2, hn::MulAdd(y, term(17), term(15)), p2);
-        const V<D> q2 = hn::MulAdd(y2, term(23), hn::MulAdd(y, term(21), term(19)));
-        series = hn::MulAdd(hn::MulAdd(y4, q2, q1), y4, q0);
+/// Corner values of a multilinear function -> its coefficients of the monomials, in place.
+template <int Dim, class D>
+HWY_INLINE void to_monomials(D d, V<D> (&v)[1 << Dim]) {
+    for (int a = 0; a < Dim; ++a) {
+        for (int c = 0; c < (1 << Dim); ++c) {
+            if ((c >> a) & 1) continue;
+            const V<D> low = v[c], high = v[c | (1 << a)];
+            v[c] = hn::Mul(hn::Add(low, high), all(d, 0.5));
+            v[c | (1 << a)] = hn::Sub(high, low);
+        }
     }
-    V<D> result = hn::NegMulAdd(hn::Mul(y, s), series, hn::Mul(x, s));
-    // The series is good to 1e-14 (float: 1e-7) for |s| < 0.22, that is det between 0.64 and 1.56.
-    const auto far = hn::Gt(y, all(d, 0.0484));
-    if (HWY_UNLIKELY(!hn::AllFalse(d, far))) result = hn::IfThenElse(far, hn::Sub(x, hn::Log(d, det)), result);
-    return result;
+}
+
+/// Derivatives by the coefficients of the monomials -> by the corner values (the transposed map), in place.
+template <int Dim, class D>
+HWY_INLINE void to_corners(D d, V<D> (&g)[1 << Dim]) {
+    for (int a = 0; a < Dim; ++a) {
+        for (int c = 0; c < (1 << Dim); ++c) {
+            if ((c >> a) & 1) continue;
+            const V<D> mean = hn::Mul(g[c], all(d, 0.5)), difference = g[c | (1 << a)];
+            g[c] = hn::Sub(mean, difference);
+            g[c | (1 << a)] = hn::Add(mean, difference);
+        }
+    }
 }
 
 /// H_eps(u) = 1/2 + arctan(t) / pi and pi eps delta_eps(u) = 1 / (1 + t^2), t = u / eps; one division for both.
@@ -111,117 +94,14 @@ HWY_INLINE V<D> smooth_heaviside(D d, V<D> u, V<D> inverse_eps, V<D>& unit_delta
     return hn::MulAdd(hn::CopySign(positive, t), all(d, inverse_pi), all(d, 0.5));
 }
 
-/// det(I + B) - 1, and its part of order two and higher in B.
-template <int Dim, class D>
-HWY_INLINE void determinant_minus_one(D, const V<D> (&b)[Dim][Dim], V<D>& det_minus_one, V<D>& higher) {
-    if constexpr (Dim == 2) {
-        higher = hn::MulSub(b[0][0], b[1][1], hn::Mul(b[0][1], b[1][0]));
-        det_minus_one = hn::Add(hn::Add(b[0][0], b[1][1]), higher);
-    } else {
-        const V<D> m01 = hn::MulSub(b[0][0], b[1][1], hn::Mul(b[0][1], b[1][0]));
-        const V<D> m02 = hn::MulSub(b[0][0], b[2][2], hn::Mul(b[0][2], b[2][0]));
-        const V<D> m12 = hn::MulSub(b[1][1], b[2][2], hn::Mul(b[1][2], b[2][1]));
-        const V<D> c1 = hn::MulSub(b[1][0], b[2][2], hn::Mul(b[1][2], b[2][0]));
-        const V<D> c2 = hn::MulSub(b[1][0], b[2][1], hn::Mul(b[1][1], b[2][0]));
-        V<D> det = hn::Mul(b[0][0], m12);
-        det = hn::NegMulAdd(b[0][1], c1, det);
-        det = hn::MulAdd(b[0][2], c2, det);
-        higher = hn::Add(hn::Add(hn::Add(m01, m02), m12), det);
-        det_minus_one = hn::Add(hn::Add(hn::Add(b[0][0], b[1][1]), b[2][2]), higher);
-    }
-}
-
-/// p = W_{,A}(I + B) = mu (A - cof A) + c cof A.
-template <int Dim, class D>
-HWY_INLINE void first_piola(D d, const V<D> (&b)[Dim][Dim], V<D> mu, V<D> c, V<D> (&p)[Dim][Dim]) {
-    const V<D> one = all(d, 1.0);
-    if constexpr (Dim == 2) {
-        const V<D> difference = hn::Sub(b[0][0], b[1][1]);
-        const V<D> sum = hn::Add(b[0][1], b[1][0]);
-        p[0][0] = hn::MulAdd(mu, difference, hn::Mul(c, hn::Add(one, b[1][1])));
-        p[1][1] = hn::NegMulAdd(mu, difference, hn::Mul(c, hn::Add(one, b[0][0])));
-        p[0][1] = hn::NegMulAdd(c, b[1][0], hn::Mul(mu, sum));
-        p[1][0] = hn::NegMulAdd(c, b[0][1], hn::Mul(mu, sum));
-    } else {
-        V<D> a[3][3];
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) a[i][j] = i == j ? hn::Add(one, b[i][j]) : b[i][j];
-        }
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-                const V<D> cofactor = hn::MulSub(a[i1][j1], a[i2][j2], hn::Mul(a[i1][j2], a[i2][j1]));
-                const V<D> minor = hn::MulSub(b[i1][j1], b[i2][j2], hn::Mul(b[i1][j2], b[i2][j1]));
-                // A - cof A = B + B^T - tr B I - cof B, without cancellation at the identity.
-                const V<D> linear =
-                    i == j ? hn::Sub(b[i][i], hn::Add(b[i1][i1], b[i2][i2])) : hn::Add(b[i][j], b[j][i]);
-                p[i][j] = hn::MulAdd(mu, hn::Sub(linear, minor), hn::Mul(c, cofactor));
-            }
-        }
-    }
-}
-
-/// B = D phi - I at corner c of a cell.
-template <int Dim, class D>
-HWY_INLINE void corner_gradient(D, const V<D> (&w)[Dim][1 << Dim], int c, V<D> inverse_h, V<D> (&b)[Dim][Dim]) {
-    for (int i = 0; i < Dim; ++i) {
-        for (int j = 0; j < Dim; ++j) {
-            b[i][j] = hn::Mul(hn::Sub(w[i][c | (1 << j)], w[i][c & ~(1 << j)]), inverse_h);
-        }
-    }
-}
-
-/// The least det D phi at the corners of a cell. In 2D this bounds det on the whole cell from below.
-template <int Dim, class D>
-HWY_INLINE V<D> least_corner_determinant(D d, const V<D> (&w)[Dim][1 << Dim], V<D> inverse_h) {
-    V<D> least = all(d, 1e30);
-    for (int c = 0; c < (1 << Dim); ++c) {
-        V<D> b[Dim][Dim], det, higher;
-        corner_gradient<Dim>(d, w, c, inverse_h, b);
-        determinant_minus_one<Dim>(d, b, det, higher);
-        least = hn::Min(least, det);
-    }
-    return hn::Add(least, all(d, 1.0));
-}
-
-/// Barrier of the corners of a cell, summed; its gradient times `factor` is added to grad_w.
-template <int Dim, class D>
-HWY_NOINLINE V<D> barrier(D d, const V<D> (&w)[Dim][1 << Dim], V<D> inverse_h, V<D> factor,
-                          V<D> (&grad_w)[Dim][1 << Dim]) {
-    const V<D> one = all(d, 1.0), zero = hn::Zero(d);
-    V<D> sum = zero;
-    for (int c = 0; c < (1 << Dim); ++c) {
-        V<D> b[Dim][Dim], det_minus_one, higher, cofactor[Dim][Dim];
-        corner_gradient<Dim>(d, w, c, inverse_h, b);
-        determinant_minus_one<Dim>(d, b, det_minus_one, higher);
-        const V<D> s = hn::Mul(hn::Add(one, det_minus_one), all(d, 1.0 / barrier_onset));
-        const auto squeezed = hn::Lt(s, one);
-        // Folded cells are rejected by min_det; here they must only not disturb the arithmetic.
-        const V<D> safe = hn::Max(s, all(d, 1e-3));
-        const V<D> value = hn::Sub(hn::Sub(safe, one), hn::Log(d, safe));
-        sum = hn::Add(sum, hn::IfThenElseZero(squeezed, value));
-        const V<D> slope = hn::IfThenElseZero(squeezed, hn::Sub(one, hn::Div(one, safe)));
-        const V<D> scaled = hn::Mul(hn::Mul(slope, factor), hn::Mul(inverse_h, all(d, 1.0 / barrier_onset)));
-        first_piola<Dim>(d, b, zero, one, cofactor);  // mu = 0, c = 1: the cofactor matrix
-        for (int i = 0; i < Dim; ++i) {
-            for (int j = 0; j < Dim; ++j) {
-                const V<D> p = hn::Mul(scaled, cofactor[i][j]);
-                grad_w[i][c | (1 << j)] = hn::Add(grad_w[i][c | (1 << j)], p);
-                grad_w[i][c & ~(1 << j)] = hn::Sub(grad_w[i][c & ~(1 << j)], p);
-            }
-        }
-    }
-    return hn::Mul(sum, factor);
-}
-
 template <int Dim, Quadrature Rule, class D>
 StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T<D>>& f, const StepWeights& s,
                         const StepGradients<Dim, T<D>>& g) {
     const hn::RebindToSigned<D> di;
     using Index = hn::TFromD<decltype(di)>;
     const int lanes = static_cast<int>(hn::Lanes(d));
-    constexpr auto& shapes = shape_tables<Dim, Rule>;
-    constexpr int corners = 1 << Dim, points = shapes.points;
+    constexpr auto& table = monomial_table<Dim, Rule, T<D>>;
+    constexpr int corners = 1 << Dim, points = table.points;
     const int cells = f.cells[0], cells_per_unit = 1 << s.level;
     double cell_volume = 1.0;
     for (int a = 0; a < Dim; ++a) cell_volume /= cells_per_unit;
@@ -230,15 +110,17 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     std::ptrdiff_t stride[Dim];
     stride[0] = 1;
     for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * (f.cells[a - 1] + 1);
+    int first_node[Dim] = {}, last_node[Dim];
+    for (int a = 0; a < Dim; ++a) last_node[a] = f.cells[a];
+    first_node[Dim - 1] = f.u_next_first_row;
+    last_node[Dim - 1] = f.u_next_last_row;
     std::ptrdiff_t corner_offset[corners];
-    for (int c = 0; c < corners; ++c) {
-        corner_offset[c] = 0;
-        for (int a = 0; a < Dim; ++a) corner_offset[c] += ((c >> a) & 1) * stride[a];
-    }
+    for (int c = 0; c < corners; ++c) corner_offset[c] = node_offset<Dim, 2>(c, stride);
 
     const bool with_gradient = g.displacement[0] != nullptr;
     const bool with_previous = with_gradient && g.u_previous != nullptr;
     const bool with_next = with_gradient && g.u_next != nullptr;
+    T<D>* const u_next_gradient = with_next ? g.u_next - f.u_next_first_row * stride[Dim - 1] : nullptr;
 
     const V<D> one = all(d, 1.0), zero = hn::Zero(d);
     const V<D> inverse_h = all(d, static_cast<double>(cells_per_unit));
@@ -247,10 +129,10 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     const V<D> mu = all(d, s.mu), half_mu = all(d, 0.5 * s.mu);
     const V<D> quarter_lambda = all(d, 0.25 * s.lambda), half_lambda = all(d, 0.5 * s.lambda);
     const V<D> log_factor = all(d, s.mu + 0.5 * s.lambda);
-    V<D> last_cell[Dim];
-    for (int a = 0; a < Dim; ++a) last_cell[a] = all(d, static_cast<double>(f.cells[a] - 1));
+    const V<D> stiffness_range = all(d, 1.0 - s.delta), least_stiffness = all(d, s.delta);
     const V<D> barrier_factor = all(d, cell_volume / corners * s.barrier);
     const V<D> deformation_factor = all(d, quadrature_weight * s.deformation);
+    const V<D> match_factor = all(d, 2.0 * quadrature_weight * s.mismatch);
 
     // Gradients at the nodes of a row: left and right nodes of the cells apart, so that stores never overlap loads.
     constexpr int outputs = Dim + 1;
@@ -261,8 +143,6 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     V<D> min_det = all(d, 1e30);
     StepSums sums;
     constexpr std::size_t most_lanes = hn::MaxLanes(d);
-    HWY_ALIGN Index scatter_base[most_lanes];
-    HWY_ALIGN T<D> scatter_value[corners][most_lanes];
 
     const int middle_rows = Dim == 3 ? f.cells[1] : 1;
     for (int row = row_begin; row < row_end; ++row) {
@@ -270,140 +150,178 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
             V<D> sum_deformation = zero, sum_mismatch = zero, sum_barrier = zero;
             const std::ptrdiff_t row_base = row * stride[Dim - 1] + (Dim == 3 ? middle * stride[1] : 0);
             for (int i = 0; i < cells; i += lanes) {
-                V<D> w[Dim][corners], u[corners], chi[corners], grad_w[Dim][corners], grad_u[corners];
+                // Displacements w in units of h; gradients in them by their corners, or by monomials.
+                V<D> w[Dim][corners], u[corners], chi[corners], grad_corner[Dim][corners], grad_w[Dim][corners],
+                    grad_u[corners];
                 for (int c = 0; c < corners; ++c) {
                     const std::ptrdiff_t at = row_base + i + corner_offset[c];
                     for (int a = 0; a < Dim; ++a) {
-                        w[a][c] = hn::LoadU(d, f.displacement[a] + at);
-                        grad_w[a][c] = zero;
+                        w[a][c] = hn::Mul(hn::LoadU(d, f.displacement[a] + at), inverse_h);
+                        grad_corner[a][c] = grad_w[a][c] = zero;
                     }
                     u[c] = hn::LoadU(d, f.u_previous + at);
                     grad_u[c] = zero;
                     chi[c] = f.mask ? hn::LoadU(d, f.mask + at) : one;
                 }
-                const V<D> least_corner = least_corner_determinant<Dim>(d, w, inverse_h);
+                const V<D> least_corner = least_corner_determinant<Dim>(d, w);
                 min_det = hn::Min(min_det, least_corner);
                 if (!hn::AllFalse(d, hn::Lt(least_corner, all(d, barrier_onset)))) {
-                    sum_barrier = hn::Add(sum_barrier, barrier<Dim>(d, w, inverse_h, barrier_factor, grad_w));
+                    sum_barrier = hn::Add(sum_barrier, barrier<Dim>(d, w, barrier_factor, grad_corner));
                 }
+                for (int a = 0; a < Dim; ++a) to_monomials<Dim>(d, w[a]);
+                to_monomials<Dim>(d, u);
+                if (f.mask) to_monomials<Dim>(d, chi);
 
-                for (int q = 0; q < points; ++q) {
-                    V<D> b[Dim][Dim], displacement[Dim], norm = zero;
+                // Deformed points, in units of h. They count from the lower corner of their own cell: exact to the last
+                // bit of the displacement.
+                V<D> position[points][Dim], own[Dim], low[Dim], high[Dim];
+                for (int a = 0; a < Dim; ++a) {
+                    own[a] = a == 0 ? hn::Iota(d, static_cast<T<D>>(i)) : a == Dim - 1 ? all(d, row) : all(d, middle);
+                    low[a] = all(d, 1e30);
+                    high[a] = all(d, -1e30);
+                    for (int q = 0; q < points; ++q) {
+                        V<D> x = hn::Add(w[a][0], hn::Set(d, table.coordinate[q][a]));
+                        for (int m = 1; m < corners; ++m) x = hn::MulAdd(hn::Set(d, table.value[q][m]), w[a][m], x);
+                        position[q][a] = x;
+                        low[a] = hn::Min(low[a], x);
+                        high[a] = hn::Max(high[a], x);
+                    }
+                }
+                // The first node of a block of so many cells that begins at the cell of x, and its place from own.
+                const auto block_at = [&](const V<D>(&x)[Dim], int size, V<D>(&shift)[Dim]) HWY_ATTR {
+                    auto first = hn::Zero(di);
                     for (int a = 0; a < Dim; ++a) {
-                        displacement[a] = zero;
-                        for (int j = 0; j < Dim; ++j) b[a][j] = zero;
-                        for (int c = 0; c < corners; ++c) {
-                            displacement[a] = hn::MulAdd(all(d, shapes.value[q][c]), w[a][c], displacement[a]);
-                            for (int j = 0; j < Dim; ++j) {
-                                b[a][j] = hn::MulAdd(all(d, shapes.slope[q][j][c]), w[a][c], b[a][j]);
-                            }
-                        }
+                        const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(x[a]), own[a]), all(d, first_node[a])),
+                                                  all(d, last_node[a] - size));
+                        shift[a] = hn::Sub(cell, own[a]);
+                        first = hn::Add(first,
+                                        hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(stride[a]))));
+                    }
+                    return first;
+                };
+
+                const auto add_point = [&](int q, const V<D>(&shift)[Dim], int size, auto& block) HWY_ATTR
+                    __attribute__((always_inline)) {
+                    V<D> monomial[corners];
+                    for (int m = 1; m < corners; ++m) monomial[m] = hn::Set(d, table.value[q][m]);
+                    V<D> b[Dim][Dim], norm = zero;
+                    for (int a = 0; a < Dim; ++a) {
                         for (int j = 0; j < Dim; ++j) {
-                            b[a][j] = hn::Mul(b[a][j], inverse_h);
+                            b[a][j] = w[a][1 << j];
+                            for (int m = 1; m < corners; ++m) {
+                                if (((m >> j) & 1) && m != (1 << j)) {
+                                    b[a][j] = hn::MulAdd(monomial[m ^ (1 << j)], w[a][m], b[a][j]);
+                                }
+                            }
                             norm = hn::MulAdd(b[a][j], b[a][j], norm);
                         }
                     }
-                    V<D> u_here = zero;
-                    for (int c = 0; c < corners; ++c) {
-                        u_here = hn::MulAdd(all(d, shapes.value[q][c]), u[c], u_here);
-                    }
+                    V<D> u_here = u[0];
+                    for (int m = 1; m < corners; ++m) u_here = hn::MulAdd(monomial[m], u[m], u_here);
 
                     // W = mu (|B|^2 / 2 - higher) + lambda/4 D^2 + (mu + lambda/2) (D - log(1 + D)), D = det - 1.
                     V<D> det_minus_one, higher;
                     determinant_minus_one<Dim>(d, b, det_minus_one, higher);
-                    const V<D> det = hn::Add(one, det_minus_one);
-                    min_det = hn::Min(min_det, det);
+                    min_det = hn::Min(min_det, hn::Add(one, det_minus_one));
                     V<D> density = hn::NegMulAdd(mu, higher, hn::Mul(half_mu, norm));
                     density = hn::MulAdd(quarter_lambda, hn::Mul(det_minus_one, det_minus_one), density);
                     V<D> inverse_det, delta_here, delta_there;
                     density = hn::MulAdd(log_factor, minus_log1p(d, det_minus_one, inverse_det), density);
                     const V<D> inside = smooth_heaviside(d, u_here, inverse_eps, delta_here);
-                    const V<D> weight = hn::MulAdd(all(d, 1.0 - s.delta), inside, all(d, s.delta));
+                    const V<D> weight = hn::MulAdd(stiffness_range, inside, least_stiffness);
                     sum_deformation = hn::MulAdd(weight, density, sum_deformation);
 
-                    // u_k at the deformed point: cell and fraction on each axis, then the corners of that cell.
-                    // Positions count from the point's own cell: exact to the last bit of the displacement.
-                    V<D> fraction[Dim];
-                    auto gather_index = hn::Zero(di);
+                    // u_k at the deformed point.
+                    V<D> x[Dim], v[corners], fraction[Dim], gradient[Dim];
                     for (int a = 0; a < Dim; ++a) {
-                        V<D> own;
-                        if (a == 0) {
-                            own = hn::Iota(d, static_cast<T<D>>(i));
-                        } else {
-                            own = all(d, a == Dim - 1 ? row : middle);
-                        }
-                        const V<D> position = hn::MulAdd(displacement[a], inverse_h, all(d, shapes.coordinate(q, a)));
-                        const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(position), own), zero), last_cell[a]);
-                        fraction[a] = hn::Min(hn::Max(hn::Sub(position, hn::Sub(cell, own)), zero), one);
-                        gather_index = hn::Add(
-                            gather_index, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(stride[a]))));
+                        x[a] = hn::Min(hn::Max(hn::Sub(position[q][a], shift[a]), zero),
+                                       all(d, static_cast<double>(size)));
                     }
-                    V<D> v[corners], gradient[Dim];
-                    for (int c = 0; c < corners; ++c)
-                        v[c] = hn::GatherIndex(d, f.u_next + corner_offset[c], gather_index);
+                    block.corners(d, x, v, fraction);
                     const V<D> u_there = multilinear<Dim>(d, v, fraction, gradient);
 
-                    V<D> known = one;
-                    if (f.mask) {
-                        known = zero;
-                        for (int c = 0; c < corners; ++c) {
-                            known = hn::MulAdd(all(d, shapes.value[q][c]), chi[c], known);
-                        }
-                    }
                     const V<D> residual = hn::Sub(smooth_heaviside(d, u_there, inverse_eps, delta_there), inside);
-                    const V<D> masked_residual = hn::Mul(known, residual);
+                    V<D> masked_residual = residual;
+                    if (f.mask) {
+                        V<D> known = chi[0];
+                        for (int m = 1; m < corners; ++m) known = hn::MulAdd(monomial[m], chi[m], known);
+                        masked_residual = hn::Mul(known, residual);
+                    }
                     sum_mismatch = hn::MulAdd(masked_residual, residual, sum_mismatch);
-                    if (!with_gradient) continue;
+                    if (!with_gradient) return;
 
-                    const V<D> match = hn::Mul(all(d, 2.0 * quadrature_weight * s.mismatch), masked_residual);
+                    const V<D> match = hn::Mul(match_factor, masked_residual);
                     // c = lambda/2 det - (mu + lambda/2) / det + mu.
                     const V<D> c = hn::MulAdd(half_lambda, det_minus_one,
                                               hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
                     V<D> p[Dim][Dim];
                     first_piola<Dim>(d, b, mu, c, p);
-                    const V<D> stress_factor = hn::Mul(hn::Mul(deformation_factor, weight), inverse_h);
+                    const V<D> stress_factor = hn::Mul(deformation_factor, weight);
                     const V<D> force = hn::Mul(match, hn::Mul(delta_there, delta_factor));
-                    const V<D> scaled_force = hn::Mul(force, inverse_h);
                     for (int a = 0; a < Dim; ++a) {
-                        const V<D> body = hn::Mul(scaled_force, gradient[a]);
+                        const V<D> body = hn::Mul(force, gradient[a]);
                         for (int j = 0; j < Dim; ++j) p[a][j] = hn::Mul(p[a][j], stress_factor);
-                        for (int k = 0; k < corners; ++k) {
-                            V<D> sum = hn::MulAdd(all(d, shapes.value[q][k]), body, grad_w[a][k]);
+                        grad_w[a][0] = hn::Add(grad_w[a][0], body);
+                        for (int m = 1; m < corners; ++m) {
+                            V<D> sum = hn::MulAdd(monomial[m], body, grad_w[a][m]);
                             for (int j = 0; j < Dim; ++j) {
-                                sum = hn::MulAdd(all(d, shapes.slope[q][j][k]), p[a][j], sum);
+                                if (m == (1 << j)) {
+                                    sum = hn::Add(sum, p[a][j]);
+                                } else if ((m >> j) & 1) {
+                                    sum = hn::MulAdd(monomial[m ^ (1 << j)], p[a][j], sum);
+                                }
                             }
-                            grad_w[a][k] = sum;
+                            grad_w[a][m] = sum;
                         }
                     }
                     if (with_previous) {
-                        const V<D> softness = hn::Mul(hn::Mul(all(d, 1.0 - s.delta), deformation_factor), density);
+                        const V<D> softness = hn::Mul(hn::Mul(stiffness_range, deformation_factor), density);
                         const V<D> coefficient = hn::Mul(hn::Mul(delta_here, delta_factor), hn::Sub(softness, match));
-                        for (int k = 0; k < corners; ++k) {
-                            grad_u[k] = hn::MulAdd(all(d, shapes.value[q][k]), coefficient, grad_u[k]);
+                        grad_u[0] = hn::Add(grad_u[0], coefficient);
+                        for (int m = 1; m < corners; ++m) {
+                            grad_u[m] = hn::MulAdd(monomial[m], coefficient, grad_u[m]);
                         }
                     }
-                    if (with_next) {
-                        hn::Store(gather_index, di, scatter_base);
-                        for (int k = 0; k < corners; ++k) {
-                            V<D> value = force;
-                            for (int a = 0; a < Dim; ++a) {
-                                value = hn::Mul(value, ((k >> a) & 1) ? fraction[a] : hn::Sub(one, fraction[a]));
-                            }
-                            hn::Store(value, d, scatter_value[k]);
-                        }
-                        T<D>* out = g.u_next - g.u_next_first_row * stride[Dim - 1];
-                        for (int lane = 0; lane < lanes; ++lane) {
-                            T<D>* cell = out + scatter_base[lane];
-                            for (int k = 0; k < corners; ++k) cell[corner_offset[k]] += scatter_value[k][lane];
-                        }
+                    if (with_next) block.add(d, x, force);
+                };
+
+                // One block for all points if they fit in every lane; what sticks out of the grid counts as on its
+                // border.
+                const auto add_cell = [&]<int Width>(std::integral_constant<int, Width>) HWY_ATTR {
+                    V<D> shift[Dim];
+                    const auto first = block_at(low, Width - 1, shift);
+                    auto fits = hn::FirstN(d, most_lanes);
+                    for (int a = 0; a < Dim; ++a) {
+                        const V<D> end = hn::Add(shift[a], all(d, Width - 1));
+                        const V<D> border = hn::Sub(all(d, last_node[a]), own[a]);
+                        fits = hn::And(fits, hn::Le(hn::Min(high[a], border), end));
+                    }
+                    if (!hn::AllTrue(d, fits)) return false;
+                    NodeBlock<Dim, Width, D> block(d, f.u_next, first, stride);
+                    for (int q = 0; q < points; ++q) add_point(q, shift, Width - 1, block);
+                    if (with_next) block.scatter(d, u_next_gradient, first, stride);
+                    return true;
+                };
+                if (!add_cell(std::integral_constant<int, 3>()) &&
+                    (Dim == 3 || !add_cell(std::integral_constant<int, 4>()))) {
+                    for (int q = 0; q < points; ++q) {
+                        V<D> shift[Dim];
+                        const auto first = block_at(position[q], 1, shift);
+                        NodeBlock<Dim, 2, D> block(d, f.u_next, first, stride);
+                        add_point(q, shift, 1, block);
+                        if (with_next) block.scatter(d, u_next_gradient, first, stride);
                     }
                 }
 
                 if (!with_gradient) continue;
                 T<D>* target = rows.data() + i;
                 for (int a = 0; a < Dim; ++a) {
-                    for (int k = 0; k < corners; ++k, target += padded) hn::StoreU(grad_w[a][k], d, target);
+                    to_corners<Dim>(d, grad_w[a]);
+                    for (int k = 0; k < corners; ++k, target += padded) {
+                        hn::StoreU(hn::Mul(hn::Add(grad_w[a][k], grad_corner[a][k]), inverse_h), d, target);
+                    }
                 }
+                to_corners<Dim>(d, grad_u);
                 for (int k = 0; k < corners; ++k, target += padded) hn::StoreU(grad_u[k], d, target);
             }
 

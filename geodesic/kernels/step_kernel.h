@@ -17,16 +17,18 @@ struct StepFields {
     const T* u_previous;         ///< u_{k-1}
     const T* u_next;             ///< u_k
     const T* mask;               ///< chi in [0,1], or null for chi = 1
+    /// Rows of u_k along the last axis that deformed points of the cells asked for may lie between, both included; at
+    /// least 4. Only these are read, and written in the gradient.
+    int u_next_first_row, u_next_last_row;
 };
 
 /// Gradients are added to these arrays (same layout); a null pointer means: not wanted.
-/// u_next holds the rows [u_next_first_row, ...) of the last axis only (the kernel scatters into it).
+/// u_next holds the rows u_next_first_row to u_next_last_row only (the kernel scatters into it).
 template <int Dim, class T>
 struct StepGradients {
     T* displacement[Dim];
     T* u_previous;
     T* u_next;
-    int u_next_first_row;
 };
 
 struct StepWeights {

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geodesic/energy/area_energy.h"
 #include "geodesic/energy/heaviside.h"
@@ -204,6 +206,43 @@ TYPED_TEST(PathEnergyIn, KernelsAgreeWithTheFormulas) {
         tests::PathProblem<dim> problem(4, 3, options, mask);
         const double fast = problem.energy.evaluate(problem.x, {}).total;
         EXPECT_NEAR(fast, naive_energy<dim>(problem.energy, problem.x, mask), 1e-11 * fast);
+    }
+}
+
+/// Stretches the middle of every axis by a factor, squeezes the rest, and shifts everything.
+template <int Dim>
+void stretch_and_shift(tests::PathProblem<Dim>& problem, double factor, double shift) {
+    const auto& layout = problem.energy.layout();
+    constexpr double half = 0.075;
+    const double rest = (0.5 - factor * half) / (0.5 - half);
+    for (std::size_t i = 0; i < layout.nodes(); ++i) {
+        const auto x = layout.grid.position(layout.grid.node(i));
+        for (int a = 0; a < Dim; ++a) {
+            const double t = x[static_cast<std::size_t>(a)] - 0.5;
+            const double middle = std::clamp(t, -half, half);
+            problem.x[layout.displacement(1, a) + i] += (factor - 1) * middle + (rest - 1) * (t - middle) + shift;
+        }
+    }
+}
+
+TYPED_TEST(PathEnergyIn, KernelsAgreeWithTheFormulasWhereCellsAreStretchedOrLeaveTheGrid) {
+    // The points of a cell are spread over 2, 3 and more cells along an axis; the kernel reads u_k differently for
+    // each.
+    constexpr int dim = TypeParam::value;
+    for (const auto& [factor, shift] : {std::pair(1.4, 0.0), {2.0, 0.0}, {4.0, 0.0}, {1.0, 0.2}, {2.0, -0.3}}) {
+        tests::PathProblem<dim> problem(dim == 2 ? 5 : 4, 2, GeodesicOptions{});
+        stretch_and_shift<dim>(problem, factor, shift);
+        std::vector<double> gradient(problem.x.size());
+        const auto terms = problem.energy.evaluate(problem.x, gradient);
+        ASSERT_GT(terms.min_det, 0.0);
+        const double naive = naive_energy<dim>(problem.energy, problem.x, {}) + terms.barrier;
+        EXPECT_NEAR(terms.total, naive, 1e-11 * naive) << factor;
+        std::vector<float> single(problem.x.size());
+        EXPECT_NEAR(problem.energy.evaluate_single(problem.x, single).total, terms.total, 2e-6 * terms.total);
+        if (shift != 0.0) continue;  // u_k has a kink at the border
+        const auto energy = [&](const std::vector<double>& x) { return problem.energy.evaluate(x, {}).total; };
+        const double step = 0.02 * problem.energy.layout().grid.spacing();
+        EXPECT_GT(tests::taylor_order(energy, gradient, problem.x, problem.direction, step), 1.8) << factor;
     }
 }
 

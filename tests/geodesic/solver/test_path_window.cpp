@@ -60,7 +60,8 @@ TYPED_TEST(PathWindowIn, HoldsTheShapesWithRoom) {
     std::size_t inside = 0, all = 0;
     for (std::size_t i = 0; i < near.values.size(); ++i) {
         inside += near.values[i] > 0 ? 1 : 0;
-        if (grid.on_boundary(grid.node(i))) ASSERT_LT(near.values[i], -0.05);
+        if (!grid.on_boundary(grid.node(i))) continue;
+        ASSERT_LT(near.values[i], -0.05);
     }
     for (const double v : problem.last.values) all += v > 0 ? 1 : 0;
     EXPECT_EQ(inside, all);
