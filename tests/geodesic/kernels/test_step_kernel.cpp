@@ -52,7 +52,8 @@ TEST(StepKernel, ReadsAndWritesNothingBeyondTheRowsItIsGiven) {
         const auto rows = static_cast<std::size_t>(last - first + 1);
         std::vector<double> gradient[2], gradient_previous(step.u.size());
         for (auto& g : gradient) g.resize(step.u.size());
-        std::vector<double> gradient_next((rows + 2 * guard) * Step::width, nan);
+        // Where a zero is added to -0, there is no sign any more.
+        std::vector<double> gradient_next((rows + 2 * guard) * Step::width, -0.0);
         double* const begin_next = gradient_next.data() + guard * Step::width;
         std::fill(begin_next, begin_next + rows * Step::width, 0.0);
         const StepFields<2, double> fields{{Step::cells, Step::cells},
@@ -68,8 +69,11 @@ TEST(StepKernel, ReadsAndWritesNothingBeyondTheRowsItIsGiven) {
         double sum = 0.0;
         for (std::size_t i = 0; i < gradient_next.size(); ++i) {
             const bool inside = i >= guard * Step::width && i < (guard + rows) * Step::width;
-            EXPECT_EQ(std::isnan(gradient_next[i]), !inside) << i;
-            if (inside) sum += std::abs(gradient_next[i]);
+            if (inside) {
+                sum += std::abs(gradient_next[i]);
+            } else {
+                EXPECT_TRUE(gradient_next[i] == 0.0 && std::signbit(gradient_next[i])) << i;
+            }
         }
         EXPECT_GT(sum, 0.0) << shift;
 
