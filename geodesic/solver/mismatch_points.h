@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
@@ -10,9 +11,13 @@
 
 namespace morphodesic {
 
-/// Where preconditioners look at a cell: more points do not save iterations, whatever the energy takes (measured).
+/// Where preconditioners look at a cell, given where the energy does: one or two pairs of points at opposite places.
+/// More do not save iterations (measured).
 template <int Dim>
-inline constexpr auto& mismatch_points = kernels::quadrature::points<Dim, kernels::Quadrature::few>;
+constexpr std::span<const Point<Dim>> mismatch_points(kernels::Quadrature energy) {
+    constexpr auto& points = kernels::quadrature::points<Dim, kernels::Quadrature::few>;
+    return std::span(points).first(energy == kernels::Quadrature::few ? 2 : 4);
+}
 
 /// A quadrature point of one time step that is close to a contour, before or after the deformation.
 template <int Dim>
@@ -25,17 +30,16 @@ struct MismatchPoint {
     double displacement[Dim][1 << Dim];  ///< of the corners of the cell
 };
 
-/// visit(point) for the quadrature points of the step u_{k-1} = from, u_k = to, phi = id + w that are closer than 6 eps
-/// to a contour; elsewhere delta_eps^2 |grad u|^2 is below 1e-3 of its largest value.
+/// visit(point) for those of the `points` of every cell of the step u_{k-1} = from, u_k = to, phi = id + w that are
+/// closer than 6 eps to a contour; elsewhere delta_eps^2 |grad u|^2 is below 1e-3 of its largest value.
 template <int Dim, class Visitor>
-void for_each_mismatch_point(const DyadicGrid<Dim>& grid, const double* from, const double* to,
-                             const DisplacementView<Dim>& w, double eps, Visitor&& visit) {
+void for_each_mismatch_point(const DyadicGrid<Dim>& grid, std::span<const Point<Dim>> points, const double* from,
+                             const double* to, const DisplacementView<Dim>& w, double eps, Visitor&& visit) {
     constexpr int corners = 1 << Dim;
     const auto offsets = q1::corner_offsets(grid);
     const double per_cell = grid.cells_per_unit(), far = 6.0 * eps;
     MismatchPoint<Dim> p{};
-    constexpr auto& points = mismatch_points<Dim>;
-    double shape[points.size()][corners];
+    std::array<std::array<double, corners>, kernels::quadrature::points<Dim, kernels::Quadrature::many>.size()> shape;
     for (std::size_t q = 0; q < points.size(); ++q) {
         for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, points[q]);
     }

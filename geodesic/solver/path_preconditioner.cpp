@@ -97,8 +97,8 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
     std::vector<std::vector<float>> weights(static_cast<std::size_t>(layout_.time_steps));
     std::vector<ShapeMass> masses(static_cast<std::size_t>(layout_.time_steps));
     const auto offsets = q1::corner_offsets(layout_.grid);
-    const double mass_unit =
-        coupling * 2.0 * energy.eta() * node_volume / static_cast<double>(mismatch_points<Dim>.size());
+    const auto points = mismatch_points<Dim>(energy.quadrature());
+    const double mass_unit = coupling * 2.0 * energy.eta() * node_volume / static_cast<double>(points.size());
     if constexpr (Dim == 3) vectors_.clear();  // not needed while operators are built, when most memory is in use
     if (transport_) transport_->follow(energy, x);
     oneapi::tbb::this_task_arena::isolate([&] {
@@ -114,7 +114,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
             masses[k].clear(layout_.nodes());
             auto& deformation = cycles_[k].mass();
             for (auto& entry : deformation) std::fill(entry.begin(), entry.end(), 0.0F);
-            for_each_mismatch_point<Dim>(layout_.grid, u, energy.level_set(x, index + 1), displacement, eps,
+            for_each_mismatch_point<Dim>(layout_.grid, points, u, energy.level_set(x, index + 1), displacement, eps,
                                          [&](const MismatchPoint<Dim>& p) {
                                              add_to<Dim>(deformation, masses[k], p, offsets, mass_unit);
                                              if (transport_) transport_->add_point(index, p);

@@ -110,7 +110,8 @@ Preimage<Dim> back_through(const DyadicGrid<Dim>& grid, const std::array<std::si
 /// grad u at the nodes, weighted by delta_eps^2 over the quadrature points around: what counts is the rim, and it is
 /// narrower than a cell. Far from the rim: central differences.
 template <int Dim>
-std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, const double* u, double eps) {
+std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, std::span<const Point<Dim>> points,
+                                                 const double* u, double eps) {
     const auto corners = q1::corner_offsets(grid);
     const double per_cell = grid.cells_per_unit();
     std::array<std::vector<float>, Dim> sum;
@@ -124,7 +125,7 @@ std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, co
             near = near || std::abs(v[c]) < 8 * eps || v[c] * v[0] < 0;
         }
         if (!near) return;
-        for (const Point<Dim>& y : mismatch_points<Dim>) {
+        for (const Point<Dim>& y : points) {
             double value = 0.0, g[Dim] = {};
             for (int c = 0; c < (1 << Dim); ++c) {
                 value += q1::shape<Dim>(c, y) * v[c];
@@ -164,8 +165,8 @@ template <int Dim>
 void Trajectories<Dim>::update(const PathEnergy<Dim>& energy, std::span<const double> x) {
     follow(x);
     for_indices(1, layout_.time_steps, [&](int k) {
-        frames_[static_cast<std::size_t>(k)].gradient =
-            rim_gradient<Dim>(layout_.grid, energy.level_set(x, k), energy.eps());
+        frames_[static_cast<std::size_t>(k)].gradient = rim_gradient<Dim>(
+            layout_.grid, mismatch_points<Dim>(energy.quadrature()), energy.level_set(x, k), energy.eps());
     });
     differentiate(energy, x);
 }

@@ -46,8 +46,8 @@ TransportCorrection<Dim>::TransportCorrection(const PathLayout<Dim>& layout)
 template <int Dim>
 void TransportCorrection<Dim>::follow(const PathEnergy<Dim>& energy, std::span<const double> x) {
     trajectories_.update(energy, x);
-    unit_ =
-        4.0 * energy.eta() * std::pow(layout_.grid.spacing(), Dim) / static_cast<double>(mismatch_points<Dim>.size());
+    const auto points = mismatch_points<Dim>(energy.quadrature());
+    unit_ = 4.0 * energy.eta() * std::pow(layout_.grid.spacing(), Dim) / static_cast<double>(points.size());
     rest_.resize(static_cast<std::size_t>(layout_.time_steps));
     for (auto& rest : rest_) {
         for (auto& m : rest) m.assign(coarse_.node_count(), 0.0F);

@@ -79,8 +79,9 @@ TYPED_TEST(PathPreconditionerIn, TransportCorrectionIsSymmetricAndSemidefinite) 
         for (int a = 0; a < Dim; ++a) {
             w[static_cast<std::size_t>(a)] = problem.x.data() + layout.displacement(k + 1, a);
         }
-        for_each_mismatch_point<Dim>(layout.grid, problem.energy.level_set(problem.x, k),
-                                     problem.energy.level_set(problem.x, k + 1), w, problem.energy.eps(),
+        for_each_mismatch_point<Dim>(layout.grid, mismatch_points<Dim>(problem.energy.quadrature()),
+                                     problem.energy.level_set(problem.x, k), problem.energy.level_set(problem.x, k + 1),
+                                     w, problem.energy.eps(),
                                      [&](const MismatchPoint<Dim>& p) { correction.add_point(k, p); });
     }
     correction.build(problem.energy, problem.x, weights, inverse_u);
