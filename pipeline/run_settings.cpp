@@ -67,13 +67,13 @@ const std::vector<Preset>& presets() {
          "2 %",
          5, 2, 1e-2, 3},
         {"standard",
-         "level 6, 4 steps: for studies; 0.12 s of a core per 2D pair, distances some 5 % short, extrapolated within "
+         "level 6, 4 steps: for studies; 0.1 s of a core per 2D pair, distances some 5 % short, extrapolated within "
          "1.5 %",
-         6, 4, 1e-3, 8},
+         6, 4, 1e-3, 16},
         {"fine",
          "level 7, 8 steps: for final numbers; ten times the cost of standard, some 2.5 % short, extrapolated "
          "within 0.5 %",
-         7, 8, 5e-4, 8},
+         7, 8, 5e-4, 16},
     };
     return all;
 }
