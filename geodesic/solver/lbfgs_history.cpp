@@ -68,4 +68,14 @@ void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, st
     added_ = true;
 }
 
+void LbfgsHistory::add_tried(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
+                             std::span<const float> g0, double least) {
+    add(x, x0, g, g0, least);
+    if (!added_) return;
+    added_ = false;
+    std::vector<double> product(pairs_.size());
+    kernels::dots(pairs_.back().y, all(&Pair::s), product);
+    for (std::size_t i = 0; i + 1 < pairs_.size(); ++i) pairs_[i].later.push_back(product[i]);
+}
+
 }  // namespace morphodesic

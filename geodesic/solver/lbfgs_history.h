@@ -27,6 +27,10 @@ public:
     void add(std::span<const double> x, std::span<const double> x0, std::span<const float> g, std::span<const float> g0,
              double least);
 
+    /// The same of a step that is not taken: the next call of before() is for g0 once more.
+    void add_tried(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
+                   std::span<const float> g0, double least);
+
 private:
     struct Pair {
         std::vector<float> s, y;

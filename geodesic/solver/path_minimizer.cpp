@@ -20,7 +20,8 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
-constexpr int patience = 4;          // shorter steps tried before the history is given up
+constexpr int lessons = 2;           // full steps tried in an iteration: the history learns from those that fail
+constexpr int patience = 2;          // shorter steps tried before the history is given up
 constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
 constexpr double rounding = 1e-7;    // of energies in single precision, relative
@@ -122,8 +123,8 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         double t = 1.0;
         PathTerms next_terms;
         bool accepted = false;
-        const int halvings = history.empty() ? max_halvings : patience;
-        for (int halving = 0; halving < halvings && !accepted; ++halving) {
+        const int shorter = history.empty() ? max_halvings : patience;
+        for (int trial = 0; trial < lessons + shorter && slope < 0; ++trial) {
             kernels::step(next, x, t, direction);
             next_terms = evaluate(next, next_gradient);
             ++summary.evaluations;
@@ -134,6 +135,15 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             }
             accepted = next_terms.total <= terms.total + armijo * t * slope;
             if (accepted) break;
+            // The change of the gradient on the way tells which parts of the step were too long; the rest stays full.
+            if (trial < lessons && t == 1.0 && std::isfinite(next_terms.total)) {
+                history.add_tried(next, x, next_gradient, gradient, 1e-10 * std::abs(slope));
+                slope = find_direction();
+                if (slope < 0) continue;
+                history.clear();
+                slope = find_direction();
+                continue;
+            }
             if (std::isfinite(next_terms.total)) {
                 const double parabola = -0.5 * slope * t * t / (next_terms.total - terms.total - slope * t);
                 t = std::clamp(parabola, 0.1 * t, 0.5 * t);

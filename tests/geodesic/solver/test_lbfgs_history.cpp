@@ -10,7 +10,7 @@ namespace morphodesic {
 namespace {
 
 /// The direction against the two loops written out [Nocedal & Wright, algorithm 7.4] in double precision, while the
-/// history fills, drops old pairs and is cleared once.
+/// history fills, learns from steps that are not taken, drops old pairs and is cleared once.
 TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
     constexpr int n = 9000, capacity = 4;  // more than two chunks
     std::mt19937 random(3);
@@ -24,11 +24,7 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
     LbfgsHistory history(n, capacity);
     std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs;
     Eigen::VectorXd x = draw(), g = curvature.cwiseProduct(x);
-    for (int iteration = 0; iteration < 9; ++iteration) {
-        if (iteration == 6) {
-            history.clear();
-            pairs.clear();
-        }
+    const auto expect_two_loops = [&](int iteration) {
         std::vector<float> direction(n);
         history.before(as_float(g), direction);
         for (int i = 0; i < n; ++i) direction[static_cast<std::size_t>(i)] *= static_cast<float>(scaling(i));
@@ -49,11 +45,26 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
         for (int i = 0; i < n; ++i)
             error += std::pow(static_cast<double>(direction[static_cast<std::size_t>(i)]) + q(i), 2);
         EXPECT_LT(std::sqrt(error), 1e-4 * q.norm()) << "iteration " << iteration;
-
+    };
+    for (int iteration = 0; iteration < 12; ++iteration) {
+        if (iteration == 6) {
+            history.clear();
+            pairs.clear();
+        }
+        expect_two_loops(iteration);
+        const auto remember = [&](const Eigen::VectorXd& next) {
+            pairs.emplace_back(next - x, curvature.cwiseProduct(next) - g);
+            if (pairs.size() > capacity) pairs.erase(pairs.begin());
+        };
+        for (int tried = 0; tried < iteration % 3; ++tried) {
+            const Eigen::VectorXd there = x + draw(), there_g = curvature.cwiseProduct(there);
+            history.add_tried(as_double(there), as_double(x), as_float(there_g), as_float(g), 0.0);
+            remember(there);
+            expect_two_loops(iteration);
+        }
         const Eigen::VectorXd next = x + draw(), next_g = curvature.cwiseProduct(next);
         history.add(as_double(next), as_double(x), as_float(next_g), as_float(g), 0.0);
-        pairs.emplace_back(next - x, next_g - g);
-        if (pairs.size() > capacity) pairs.erase(pairs.begin());
+        remember(next);
         x = next;
         g = next_g;
     }
