@@ -53,6 +53,9 @@ Cut cut_before(int level, int starts) {
     return level == start_level + 1 ? Cut{1.25, starts} : Cut{1.08, (starts + 1) / 2};
 }
 
+/// Starts are cut into more steps up to this multiple of the least energy with one step (measured: the same paths).
+constexpr double one_step_margin = 1.3;
+
 struct Cancelled {};
 
 /// One start of the cascade: an alignment and a schedule, carried from level to level.
@@ -195,6 +198,7 @@ private:
         const int steps = std::min(options_.time_steps, search_steps);
         const double tolerance = std::max(options_.tolerance, start_tolerance);
         std::vector<Start<Dim>> starts;
+        double least = std::numeric_limits<double>::infinity();
         // One schedule is enough: with the wide rim, all time steps at once end in the same path (measured on letters).
         for (const auto& candidate : align(a_, b_, options_.align, options_.starts)) {
             const auto first = first_on(candidate.motion, level);
@@ -204,6 +208,8 @@ private:
             doubling.motion = candidate.motion;
             doubling.path = blended_path(first, last, 1);
             solve(doubling, 0, wide_rim(), tolerance);
+            least = std::min(least, doubling.terms.total);
+            if (doubling.terms.total > one_step_margin * least) continue;
             while (doubling.path.layout.time_steps < steps) double_steps(doubling, tolerance);
             starts.push_back(std::move(doubling));
         }
