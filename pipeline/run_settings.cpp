@@ -71,7 +71,7 @@ const std::vector<Preset>& presets() {
          "1.5 %",
          6, 4, 1e-3, 16},
         {"fine",
-         "level 7, 8 steps: for final numbers; ten times the cost of standard, some 2.5 % short, extrapolated "
+         "level 7, 8 steps: for final numbers; seven times the cost of standard, some 2.5 % short, extrapolated "
          "within 0.5 %",
          7, 8, 5e-4, 16},
     };
