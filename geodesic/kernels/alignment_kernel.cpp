@@ -10,6 +10,7 @@
 #include "hwy/highway.h"
 #include "hwy/contrib/math/math-inl.h"
 #include "geodesic/kernels/multilinear-inl.h"
+#include "geodesic/kernels/vectors-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -21,17 +22,12 @@ void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& 
     constexpr int unknowns = motion_unknowns<Dim>, angles = unknowns - Dim, corners = 1 << Dim;
     const hn::CappedTag<double, 8> d;
     const hn::RebindToSigned<decltype(d)> di;
-    using V = hn::Vec<decltype(d)>;
-    const auto all = [&](double value) HWY_ATTR { return hn::Set(d, value); };
-    std::ptrdiff_t stride[Dim], corner_offset[corners] = {};
-    stride[0] = 1;
-    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * (row.cells[a - 1] + 1);
-    for (int c = 0; c < corners; ++c) {
-        for (int a = 0; a < Dim; ++a) corner_offset[c] += ((c >> a) & 1) * stride[a];
-    }
-    const V zero = hn::Zero(d), one = all(1.0), inverse_eps = all(1.0 / row.eps);
-    const V peak = all(std::numbers::inv_pi / (row.eps * row.spacing));  // of delta_eps, times 1 / h of the slopes
-    V square = zero, force_sum[unknowns], product_sum[unknowns][unknowns];
+    using Values = V<decltype(d)>;
+    const NodeDistances<Dim> nodes(row.cells);
+    const Values zero = hn::Zero(d), one = all(d, 1.0), inverse_eps = all(d, 1.0 / row.eps);
+    const Values peak =
+        all(d, std::numbers::inv_pi / (row.eps * row.spacing));  // of delta_eps, times 1 / h of the slopes
+    Values square = zero, force_sum[unknowns], product_sum[unknowns][unknowns];
     for (int i = 0; i < unknowns; ++i) {
         force_sum[i] = zero;
         for (int j = 0; j <= i; ++j) product_sum[i][j] = zero;
@@ -44,37 +40,37 @@ void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& 
         return static_cast<const double*>(rest);
     };
     for (std::size_t i = 0; i < row.count; i += lanes) {
-        const V index = hn::Iota(d, static_cast<double>(i));
-        const auto exists = hn::Lt(index, all(static_cast<double>(row.count)));
-        V fraction[Dim], beyond = zero;
+        const Values index = hn::Iota(d, static_cast<double>(i));
+        const auto exists = hn::Lt(index, all(d, static_cast<double>(row.count)));
+        Values fraction[Dim], beyond = zero;
         auto node = hn::Zero(di);
         for (int a = 0; a < Dim; ++a) {
-            const V place = hn::MulAdd(index, all(row.step[a]), all(row.first[a]));
-            const V inside = hn::Min(hn::Max(place, zero), all(row.cells[a]));
-            const V over = hn::Sub(place, inside), cell = hn::Min(hn::Floor(inside), all(row.cells[a] - 1));
+            const Values place = hn::MulAdd(index, all(d, row.step[a]), all(d, row.first[a]));
+            const Values inside = hn::Min(hn::Max(place, zero), all(d, row.cells[a]));
+            const Values over = hn::Sub(place, inside), cell = hn::Min(hn::Floor(inside), all(d, row.cells[a] - 1));
             beyond = hn::MulAdd(over, over, beyond);
             fraction[a] = hn::Sub(inside, cell);
-            node = hn::Add(node, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, stride[a])));
+            node = hn::Add(node, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, nodes.axis[a])));
         }
-        V v[corners], slope[Dim];
-        for (int c = 0; c < corners; ++c) v[c] = hn::GatherIndex(d, row.field + corner_offset[c], node);
-        const V u = hn::NegMulAdd(hn::Sqrt(beyond), all(row.spacing), multilinear<Dim>(d, v, fraction, slope));
-        const V t = hn::Mul(u, inverse_eps);
-        const V heaviside = hn::MulAdd(hn::Atan(d, t), all(std::numbers::inv_pi), all(0.5));
-        const V residual = hn::IfThenElseZero(exists, hn::Sub(heaviside, hn::LoadU(d, targets_from(i))));
+        Values v[corners], slope[Dim];
+        for (int c = 0; c < corners; ++c) v[c] = hn::GatherIndex(d, row.field + nodes.corner[c], node);
+        const Values u = hn::NegMulAdd(hn::Sqrt(beyond), all(d, row.spacing), multilinear<Dim>(d, v, fraction, slope));
+        const Values t = hn::Mul(u, inverse_eps);
+        const Values heaviside = hn::MulAdd(hn::Atan(d, t), all(d, std::numbers::inv_pi), all(d, 0.5));
+        const Values residual = hn::IfThenElseZero(exists, hn::Sub(heaviside, hn::LoadU(d, targets_from(i))));
         square = hn::MulAdd(residual, residual, square);
         if (!derivatives) continue;
 
-        const V delta = hn::IfThenElseZero(exists, hn::Div(peak, hn::MulAdd(t, t, one)));
-        V force[Dim], z[Dim], derivative[unknowns];
+        const Values delta = hn::IfThenElseZero(exists, hn::Div(peak, hn::MulAdd(t, t, one)));
+        Values force[Dim], z[Dim], derivative[unknowns];
         for (int a = 0; a < Dim; ++a) {
-            V turned = zero;
-            for (int b = 0; b < Dim; ++b) turned = hn::MulAdd(all(row.rotation[a][b]), slope[b], turned);
+            Values turned = zero;
+            for (int b = 0; b < Dim; ++b) turned = hn::MulAdd(all(d, row.rotation[a][b]), slope[b], turned);
             force[a] = hn::Mul(turned, delta);
-            z[a] = all(row.from_centre[a]);
+            z[a] = all(d, row.from_centre[a]);
             derivative[angles + a] = hn::Neg(force[a]);
         }
-        z[0] = hn::MulAdd(index, all(row.spacing), z[0]);
+        z[0] = hn::MulAdd(index, all(d, row.spacing), z[0]);
         // - z x force, in 2D its third component.
         for (int a = 0; a < angles; ++a) {
             const int j = Dim == 2 ? 0 : (a + 1) % 3, k = Dim == 2 ? 1 : (a + 2) % 3;

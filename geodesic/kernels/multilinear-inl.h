@@ -6,30 +6,47 @@
 #define MORPHODESIC_MULTILINEAR_INL_H
 #endif
 
+#include <cstddef>
+
+#include "geodesic/kernels/vectors-inl.h"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace morphodesic::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// How far apart nodes are in memory: along the axes, and the corners of a cell from its first node.
+template <int Dim>
+struct NodeDistances {
+    std::ptrdiff_t axis[Dim], corner[1 << Dim];
+
+    explicit NodeDistances(const int (&cells)[Dim]) {
+        axis[0] = 1;
+        for (int a = 1; a < Dim; ++a) axis[a] = axis[a - 1] * (cells[a - 1] + 1);
+        for (int c = 0; c < (1 << Dim); ++c) {
+            corner[c] = 0;
+            for (int a = 0; a < Dim; ++a) corner[c] += ((c >> a) & 1) * axis[a];
+        }
+    }
+};
+
 /// Value and gradient (in units of 1 / h) of the multilinear function with corner values v at a point of the cell.
 template <int Dim, class D>
-HWY_INLINE hn::Vec<D> multilinear(D, const hn::Vec<D> (&v)[1 << Dim], const hn::Vec<D> (&fraction)[Dim],
-                                  hn::Vec<D> (&gradient)[Dim]) {
+HWY_INLINE V<D> multilinear(D, const V<D> (&v)[1 << Dim], const V<D> (&fraction)[Dim], V<D> (&gradient)[Dim]) {
     if constexpr (Dim == 2) {
-        const hn::Vec<D> low = hn::Sub(v[1], v[0]), high = hn::Sub(v[3], v[2]);
-        const hn::Vec<D> bottom = hn::MulAdd(fraction[0], low, v[0]);
-        const hn::Vec<D> top = hn::MulAdd(fraction[0], high, v[2]);
+        const V<D> low = hn::Sub(v[1], v[0]), high = hn::Sub(v[3], v[2]);
+        const V<D> bottom = hn::MulAdd(fraction[0], low, v[0]);
+        const V<D> top = hn::MulAdd(fraction[0], high, v[2]);
         gradient[0] = hn::MulAdd(fraction[1], hn::Sub(high, low), low);
         gradient[1] = hn::Sub(top, bottom);
         return hn::MulAdd(fraction[1], gradient[1], bottom);
     } else {
-        hn::Vec<D> slope_x[4], value_x[4];
+        V<D> slope_x[4], value_x[4];
         for (int c = 0; c < 4; ++c) {
             slope_x[c] = hn::Sub(v[2 * c + 1], v[2 * c]);
             value_x[c] = hn::MulAdd(fraction[0], slope_x[c], v[2 * c]);
         }
-        hn::Vec<D> slope_xy[2], slope_y[2], value_xy[2];
+        V<D> slope_xy[2], slope_y[2], value_xy[2];
         for (int c = 0; c < 2; ++c) {
             slope_xy[c] = hn::MulAdd(fraction[1], hn::Sub(slope_x[2 * c + 1], slope_x[2 * c]), slope_x[2 * c]);
             slope_y[c] = hn::Sub(value_x[2 * c + 1], value_x[2 * c]);

@@ -107,20 +107,16 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     for (int a = 0; a < Dim; ++a) cell_volume /= cells_per_unit;
     const double quadrature_weight = cell_volume / points;
 
-    std::ptrdiff_t stride[Dim];
-    stride[0] = 1;
-    for (int a = 1; a < Dim; ++a) stride[a] = stride[a - 1] * (f.cells[a - 1] + 1);
+    const NodeDistances<Dim> nodes(f.cells);
     int first_node[Dim] = {}, last_node[Dim];
     for (int a = 0; a < Dim; ++a) last_node[a] = f.cells[a];
     first_node[Dim - 1] = f.u_next_first_row;
     last_node[Dim - 1] = f.u_next_last_row;
-    std::ptrdiff_t corner_offset[corners];
-    for (int c = 0; c < corners; ++c) corner_offset[c] = node_offset<Dim, 2>(c, stride);
 
     const bool with_gradient = g.displacement[0] != nullptr;
     const bool with_previous = with_gradient && g.u_previous != nullptr;
     const bool with_next = with_gradient && g.u_next != nullptr;
-    T<D>* const u_next_gradient = with_next ? g.u_next - f.u_next_first_row * stride[Dim - 1] : nullptr;
+    T<D>* const u_next_gradient = with_next ? g.u_next - f.u_next_first_row * nodes.axis[Dim - 1] : nullptr;
 
     const V<D> one = all(d, 1.0), zero = hn::Zero(d);
     const V<D> inverse_h = all(d, static_cast<double>(cells_per_unit));
@@ -148,13 +144,13 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     for (int row = row_begin; row < row_end; ++row) {
         for (int middle = 0; middle < middle_rows; ++middle) {
             V<D> sum_deformation = zero, sum_mismatch = zero, sum_barrier = zero;
-            const std::ptrdiff_t row_base = row * stride[Dim - 1] + (Dim == 3 ? middle * stride[1] : 0);
+            const std::ptrdiff_t row_base = row * nodes.axis[Dim - 1] + (Dim == 3 ? middle * nodes.axis[1] : 0);
             for (int i = 0; i < cells; i += lanes) {
                 // Displacements w in units of h; gradients in them by their corners, or by monomials.
                 V<D> w[Dim][corners], u[corners], chi[corners], grad_corner[Dim][corners], grad_w[Dim][corners],
                     grad_u[corners];
                 for (int c = 0; c < corners; ++c) {
-                    const std::ptrdiff_t at = row_base + i + corner_offset[c];
+                    const std::ptrdiff_t at = row_base + i + nodes.corner[c];
                     for (int a = 0; a < Dim; ++a) {
                         w[a][c] = hn::Mul(hn::LoadU(d, f.displacement[a] + at), inverse_h);
                         grad_corner[a][c] = grad_w[a][c] = zero;
@@ -194,8 +190,8 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(x[a]), own[a]), all(d, first_node[a])),
                                                   all(d, last_node[a] - size));
                         shift[a] = hn::Sub(cell, own[a]);
-                        first = hn::Add(first,
-                                        hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(stride[a]))));
+                        first = hn::Add(
+                            first, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(nodes.axis[a]))));
                     }
                     return first;
                 };
@@ -297,19 +293,20 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                         fits = hn::And(fits, hn::Le(hn::Min(high[a], border), end));
                     }
                     if (!hn::AllTrue(d, fits)) return false;
-                    NodeBlock<Dim, Width, D> block(d, f.u_next, first, stride);
+                    NodeBlock<Dim, Width, D> block(d, f.u_next, first, nodes.axis);
                     for (int q = 0; q < points; ++q) add_point(q, shift, Width - 1, block);
-                    if (with_next) block.scatter(d, u_next_gradient, first, stride);
+                    if (with_next) block.scatter(d, u_next_gradient, first, nodes.axis);
                     return true;
                 };
-                if (!add_cell(std::integral_constant<int, 3>()) &&
-                    (Dim == 3 || !add_cell(std::integral_constant<int, 4>()))) {
+                bool added = add_cell(std::integral_constant<int, 3>());
+                if constexpr (Dim == 2) added = added || add_cell(std::integral_constant<int, 4>());
+                if (!added) {
                     for (int q = 0; q < points; ++q) {
                         V<D> shift[Dim];
                         const auto first = block_at(position[q], 1, shift);
-                        NodeBlock<Dim, 2, D> block(d, f.u_next, first, stride);
+                        NodeBlock<Dim, 2, D> block(d, f.u_next, first, nodes.axis);
                         add_point(q, shift, 1, block);
-                        if (with_next) block.scatter(d, u_next_gradient, first, stride);
+                        if (with_next) block.scatter(d, u_next_gradient, first, nodes.axis);
                     }
                 }
 
@@ -329,7 +326,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                 T<D>* field = output < Dim ? g.displacement[output] : g.u_previous;
                 for (int k = 0; k < corners; ++k) {
                     const T<D>* source = rows.data() + static_cast<std::size_t>(output * corners + k) * padded;
-                    T<D>* out = field + row_base + corner_offset[k];
+                    T<D>* out = field + row_base + nodes.corner[k];
                     for (int i = 0; i < cells; i += lanes) {
                         hn::StoreU(hn::Add(hn::LoadU(d, out + i), hn::LoadU(d, source + i)), d, out + i);
                     }

@@ -39,7 +39,7 @@ void for_each_mismatch_point(const DyadicGrid<Dim>& grid, std::span<const Point<
     const auto offsets = q1::corner_offsets(grid);
     const double per_cell = grid.cells_per_unit(), far = 6.0 * eps;
     MismatchPoint<Dim> p{};
-    std::array<std::array<double, corners>, kernels::quadrature::points<Dim, kernels::Quadrature::many>.size()> shape;
+    double shape[kernels::quadrature::points<Dim, kernels::Quadrature::few>.size()][corners];
     for (std::size_t q = 0; q < points.size(); ++q) {
         for (int c = 0; c < corners; ++c) shape[q][c] = q1::shape<Dim>(c, points[q]);
     }

@@ -96,6 +96,12 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         limit_direction(energy.layout(), x, direction);
         return kernels::dot(gradient, direction);
     };
+    const auto find_descent = [&] {
+        const double slope = find_direction();
+        if (slope < 0) return slope;
+        history.clear();  // it misleads: start again from the preconditioned gradient
+        return find_direction();
+    };
     std::deque<double> energies{terms.total};
     summary.termination = Termination::max_steps;
     int renewals = 0;
@@ -105,11 +111,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             break;
         }
         if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
-        double slope = find_direction();
-        if (!(slope < 0)) {  // the history misleads: start again from the preconditioned gradient
-            history.clear();
-            slope = find_direction();
-        }
+        double slope = find_descent();
         if (!std::isfinite(slope)) {  // the energy cannot be told in single precision: no step may be made of it
             summary.termination = Termination::no_descent;
             break;
@@ -138,10 +140,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             // The change of the gradient on the way tells which parts of the step were too long; the rest stays full.
             if (trial < lessons && t == 1.0 && std::isfinite(next_terms.total)) {
                 history.add_tried(next, x, next_gradient, gradient, 1e-10 * std::abs(slope));
-                slope = find_direction();
-                if (slope < 0) continue;
-                history.clear();
-                slope = find_direction();
+                slope = find_descent();
                 continue;
             }
             if (std::isfinite(next_terms.total)) {

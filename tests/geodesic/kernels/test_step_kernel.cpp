@@ -34,15 +34,10 @@ TEST(StepKernel, ReadsAndWritesNothingBeyondTheRowsItIsGiven) {
     const StepWeights weights{5, 1.0, 1.0, 1e-4, 0.5 / Step::cells, 1.0, 25.0, 1.0, Quadrature::many};
     for (const double shift : {-15.0, -7.5, 0.0, 0.5, 4.0, 19.0}) {
         Step step(shift);
-        double low = 0.0, high = Step::cells;
-        for (int i = begin * Step::width; i < (end + 1) * Step::width; ++i) {
-            const double there = step.w[1][static_cast<std::size_t>(i)] * Step::cells;
-            if (i == begin * Step::width) low = high = there;
-            low = std::min(low, there);
-            high = std::max(high, there);
-        }
-        const int last = std::clamp(static_cast<int>(std::floor(end + high)) + 1, 3, Step::cells);
-        const int first = std::min(std::max(static_cast<int>(std::floor(begin + low)), 0), last - 3);
+        const auto [low, high] =
+            std::minmax_element(step.w[1].begin() + begin * Step::width, step.w[1].begin() + (end + 1) * Step::width);
+        const int last = std::clamp(static_cast<int>(std::floor(end + *high * Step::cells)) + 1, 3, Step::cells);
+        const int first = std::min(std::max(static_cast<int>(std::floor(begin + *low * Step::cells)), 0), last - 3);
         const auto nan = std::numeric_limits<double>::quiet_NaN();
         std::vector<double> to = step.u;
         for (std::size_t i = 0; i < to.size(); ++i) {
