@@ -50,7 +50,7 @@ struct Cut {
     int count;
 };
 Cut cut_before(int level, int starts) {
-    return level == start_level + 1 ? Cut{1.25, starts} : Cut{1.08, (starts + 1) / 2};
+    return level == start_level + 1 ? Cut{1.4, starts} : Cut{1.08, (starts + 1) / 2};
 }
 
 /// Starts are cut into more steps up to this multiple of the least energy with one step (measured: the same paths).

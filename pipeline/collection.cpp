@@ -398,10 +398,10 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
     return result;
 }
 
-double window_share(const Collection& collection, const ResultStore& store, bool rigid) {
-    if (collection.dimension != 3) return 1.0;
-    const bool common = collection.placement.mode == "common";
+std::vector<SolidReach> solid_reaches(const Collection& collection, const ResultStore& store) {
     std::vector<SolidReach> reaches;
+    if (collection.dimension != 3) return reaches;
+    const bool common = collection.placement.mode == "common";
     for (const CollectionEntry& entry : collection.entries) {
         const StoredShape& row = entry.row;
         if (!row.problem.empty()) continue;
@@ -420,7 +420,7 @@ double window_share(const Collection& collection, const ResultStore& store, bool
         const double radius = row.extent_radius * collection.placement.scale;
         reaches.push_back(reach_of_ball(common && radius > 0 ? radius : datasets::largest_extent_radius));
     }
-    return largest_window_share(reaches, rigid);
+    return reaches;
 }
 
 template ImportedShape<2> import_entry<2>(const Collection&, std::size_t, const ResultStore&);

@@ -98,9 +98,9 @@ template <int Dim>
 [[nodiscard]] ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
                                               const ResultStore& store);
 
-/// Largest share of the cube that the solver needs for a pair of a collection of solids, see largest_window_share;
-/// those that are not read yet and were not measured are taken as balls. 1 in the plane.
-[[nodiscard]] double window_share(const Collection& collection, const ResultStore& store, bool rigid);
+/// How far the solids of a collection reach; those that are not read yet and were not measured are taken as balls.
+/// None in the plane.
+[[nodiscard]] std::vector<SolidReach> solid_reaches(const Collection& collection, const ResultStore& store);
 
 /// Rounds to the 32-bit floats that the store keeps: whoever computes with a shape sees the numbers of the store.
 void round_as_stored(std::vector<double>& values);

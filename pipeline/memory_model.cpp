@@ -46,10 +46,13 @@ std::size_t bytes_of_shape(int dimension, int level) {
 }
 
 MemoryPlan plan_memory(const std::string& memory_option, int dimension, int level, int shape_level, int time_steps,
-                       std::size_t shapes, int threads, double window_share) {
+                       std::size_t shapes, int threads, const std::function<double(int)>& window_share) {
+    const auto pair_on = [&](int on) {
+        return bytes_of_pair(dimension, on, time_steps, window_share ? window_share(on) : 1.0);
+    };
     MemoryPlan plan;
     plan.limit = memory_option.empty() ? available_memory() / 10 * 8 : size_from_text(memory_option);
-    plan.per_pair = bytes_of_pair(dimension, level, time_steps, window_share);
+    plan.per_pair = pair_on(level);
     const std::size_t shape = bytes_of_shape(dimension, shape_level);
     plan.all_shapes = shapes * shape;
     // A pair in flight holds its two shapes, whatever is kept besides.
@@ -57,8 +60,7 @@ MemoryPlan plan_memory(const std::string& memory_option, int dimension, int leve
     if (bytes_of_program + one > plan.limit) {
         std::string advice = memory_option.empty() ? "use a machine with more memory" : "give more --memory";
         for (int lower = level - 1; lower >= 3; --lower) {
-            const std::size_t less =
-                bytes_of_program + bytes_of_pair(dimension, lower, time_steps, window_share) + 2 * shape;
+            const std::size_t less = bytes_of_program + pair_on(lower) + 2 * shape;
             if (less > plan.limit) continue;
             advice += ", or choose --level " + std::to_string(lower);
             break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 
 namespace morphodesic::pipeline {
@@ -29,8 +30,10 @@ struct MemoryPlan {
     [[nodiscard]] std::string sentence() const;
 };
 /// @param memory_option  --memory; empty: 80 % of what is available
+/// @param window_share   share of the cube that a path is minimised in, by level; empty: all of it
 /// @throws std::invalid_argument if one pair does not fit, with what would
 [[nodiscard]] MemoryPlan plan_memory(const std::string& memory_option, int dimension, int level, int shape_level,
-                                     int time_steps, std::size_t shapes, int threads, double window_share = 1.0);
+                                     int time_steps, std::size_t shapes, int threads,
+                                     const std::function<double(int)>& window_share = {});
 
 }  // namespace morphodesic::pipeline

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geodesic/grid/transfer.h"
+#include "geodesic/solver/path_window.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -13,10 +14,6 @@ namespace {
 constexpr int reach_level = 5;
 /// Ratio of variances from which on two principal axes are told apart.
 constexpr double clear_ratio = 1.5;
-// As PathWindow on levels from 6 on: room around the shapes on each side, sizes in eighths of the cube, none where it
-// would save little.
-constexpr double room = 11.0 / 64, largest_share = 0.8;
-constexpr int parts = 8;
 /// What the shapes between may bulge and alignments may differ from that of centroids and axes, besides the cell of
 /// level 5 by which reaches are larger than the shapes.
 constexpr double slack = 0.01;
@@ -106,8 +103,8 @@ SolidReach reach_of_ball(double radius) {
     return reach;
 }
 
-double window_share(const SolidReach& moved, const SolidReach& fixed, bool rigid) {
-    double share = 1.0;
+double window_share(const SolidReach& moved, const SolidReach& fixed, int level, bool rigid) {
+    std::array<double, 3> sides;
     for (std::size_t a = 0; a < 3; ++a) {
         double below = -moved.low[a], above = moved.high[a];
         if (rigid) {
@@ -119,17 +116,16 @@ double window_share(const SolidReach& moved, const SolidReach& fixed, bool rigid
             if (longest && shortest) half = std::min(half, half_side_of_box(moved, fixed, a));
             below = above = half;
         }
-        const double side = std::max(above, fixed.high[a]) + std::max(below, -fixed.low[a]) + 2 * (room + slack);
-        share *= std::min(std::ceil(side * parts) / parts, 1.0);
+        sides[a] = std::max(above, fixed.high[a]) + std::max(below, -fixed.low[a]) + 2 * slack;
     }
-    return share > largest_share ? 1.0 : share;
+    return morphodesic::window_share<3>(level, sides);
 }
 
-double largest_window_share(std::span<const SolidReach> reaches, bool rigid) {
+double largest_window_share(std::span<const SolidReach> reaches, int level, bool rigid) {
     double largest = 0.0;
     for (const SolidReach& moved : reaches) {
         for (const SolidReach& fixed : reaches) {
-            if (&moved != &fixed) largest = std::max(largest, window_share(moved, fixed, rigid));
+            if (&moved != &fixed) largest = std::max(largest, window_share(moved, fixed, level, rigid));
             if (largest == 1.0) return largest;
         }
     }

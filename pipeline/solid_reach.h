@@ -33,9 +33,9 @@ struct SolidReach {
 
 /// Largest share of the cube that the window of a pair takes: `moved` is aligned with `fixed`.
 /// @param rigid  turned and moved; else neither
-[[nodiscard]] double window_share(const SolidReach& moved, const SolidReach& fixed, bool rigid);
+[[nodiscard]] double window_share(const SolidReach& moved, const SolidReach& fixed, int level, bool rigid);
 
-/// The largest of all pairs, either way round.
-[[nodiscard]] double largest_window_share(std::span<const SolidReach> reaches, bool rigid);
+/// The largest of all pairs, either way round; 1 without pairs.
+[[nodiscard]] double largest_window_share(std::span<const SolidReach> reaches, int level, bool rigid);
 
 }  // namespace morphodesic::pipeline

@@ -7,16 +7,47 @@ namespace morphodesic {
 
 namespace {
 
-// Room around the shapes: with less the energy rises, since the background near them cannot give way; see
-// MEASUREMENTS.md.
+// Room around the shapes: with less the energy rises, since the background near them cannot give way. Where cells are
+// small so many of them are enough, as the coarser levels have moved what is farther away; see MEASUREMENTS.md.
 template <int Dim>
 constexpr double room = Dim == 2 ? 0.08 : 0.16;
-// A box has whole vectors of cells on axis 0, and halves well: up to so many units of cells on each axis.
-constexpr int units = 8;
+template <int Dim>
+constexpr int room_cells = Dim == 2 ? 6 : 11;
+
+/// Sides of the window around a box with these sides, all in cells. It has whole vectors of cells on axis 0, and halves
+/// well.
+template <int Dim>
+std::array<int, Dim> padded(int cells, const std::array<int, Dim>& sides) {
+    const int margin = std::min(static_cast<int>(std::ceil(room<Dim> * cells)), room_cells<Dim>);
+    const int unit = std::max(cells / 16, std::min(cells / 8, 8));
+    std::array<int, Dim> result;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const int multiple = std::max(unit, a == 0 ? kernels::single_lanes : 1);
+        result[a] = std::min((sides[a] + 2 * margin + multiple - 1) / multiple * multiple, cells);
+    }
+    return result;
+}
+
+template <int Dim>
+double share_of(int cells, const std::array<int, Dim>& sides) {
+    double share = 1.0;
+    for (const int side : sides) share *= static_cast<double>(side) / cells;
+    return share;
+}
+
 // A larger share of the cube is not worth it.
 constexpr double largest_share = 0.8;
 
 }  // namespace
+
+template <int Dim>
+double window_share(int level, const std::array<double, Dim>& sides) {
+    const int cells = 1 << level;
+    std::array<int, Dim> needed;
+    for (std::size_t a = 0; a < Dim; ++a) needed[a] = static_cast<int>(std::ceil(sides[a] * cells));
+    const double share = share_of<Dim>(cells, padded<Dim>(cells, needed));
+    return share > largest_share ? 1.0 : share;
+}
 
 template <int Dim>
 std::optional<PathWindow<Dim>> PathWindow<Dim>::around(const PathState<Dim>& path, const LevelSet<Dim>& first,
@@ -44,17 +75,13 @@ std::optional<PathWindow<Dim>> PathWindow<Dim>::around(const PathState<Dim>& pat
             }
         }
     }
-    const int margin = static_cast<int>(std::ceil(room<Dim> * cells));
-    double share = 1.0;
-    Index size{};
+    Index size;
+    for (std::size_t a = 0; a < Dim; ++a) size[a] = std::max(high[a] - low[a], 0);
+    size = padded<Dim>(cells, size);
+    if (share_of<Dim>(cells, size) > largest_share) return std::nullopt;
     for (std::size_t a = 0; a < Dim; ++a) {
-        const int unit = std::max(cells / units, a == 0 ? kernels::single_lanes : 1);
-        const int needed = std::max(high[a] - low[a], 0) + 2 * margin;
-        size[a] = std::min((needed + unit - 1) / unit * unit, cells);
         low[a] = std::clamp((low[a] + high[a] - size[a]) / 2, 0, cells - size[a]);
-        share *= static_cast<double>(size[a]) / cells;
     }
-    if (share > largest_share) return std::nullopt;
     return PathWindow(DyadicGrid<Dim>(cube.level(), size), low);
 }
 
@@ -102,6 +129,8 @@ void PathWindow<Dim>::put_back(const PathState<Dim>& part, PathState<Dim>& path)
     }
 }
 
+template double window_share<2>(int, const std::array<double, 2>&);
+template double window_share<3>(int, const std::array<double, 3>&);
 template class PathWindow<2>;
 template class PathWindow<3>;
 

@@ -1,10 +1,16 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "geodesic/solver/cascade.h"
 
 namespace morphodesic {
+
+/// Share of the cube in the window around shapes that lie in a box with these sides; 1 where no window is taken.
+/// @param sides  in units of the cube
+template <int Dim>
+[[nodiscard]] double window_share(int level, const std::array<double, Dim>& sides);
 
 /// Box of cells around all shapes of a path, with room for the background between them and its faces. A path is
 /// minimised there while what is outside stays as the level before left it: far from the shapes the background is soft

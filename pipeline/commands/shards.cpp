@@ -335,7 +335,7 @@ int shard(const ShardOptions& options) {
     const MemoryPlan memory =
         plan_memory(options.memory, plan.dimension, geodesic.level, shape_level(plan.dimension, plan.settings.geodesic),
                     geodesic.time_steps, plan.shapes.size(), threads,
-                    reaches.empty() ? 1.0 : largest_window_share(reaches, geodesic.align == "rigid"));
+                    [&](int level) { return largest_window_share(reaches, level, geodesic.align == "rigid"); });
     Progress progress(Progress::style_of_stderr(options.common.quiet));
     progress.message(memory.sentence());
     const fs::path result =

@@ -221,10 +221,11 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     std::optional<MemoryPlan> memory;
     if (solve) {
         const GeodesicOptions& geodesic = options.settings.geodesic;
-        memory =
-            plan_memory(options.memory, collection.dimension, geodesic.level,
-                        shape_level(collection.dimension, geodesic), geodesic.time_steps, collection.entries.size(),
-                        at.threads, window_share(collection, *at.store, geodesic.align == "rigid"));
+        const auto reaches = solid_reaches(collection, *at.store);
+        memory = plan_memory(
+            options.memory, collection.dimension, geodesic.level, shape_level(collection.dimension, geodesic),
+            geodesic.time_steps, collection.entries.size(), at.threads,
+            [&](int level) { return largest_window_share(reaches, level, geodesic.align == "rigid"); });
     }
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
     const PairGraphSummary done = compute(at, collection, options, memory, from_files);

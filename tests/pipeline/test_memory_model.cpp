@@ -61,10 +61,10 @@ TEST(SolidReach, NoWindowIsLargerThanPredicted) {
             for (const double angle : {0.0, 0.6}) {
                 const auto fixed = ellipsoid(b, angle);
                 // Rigidly aligned: the longest axis on the longest one.
-                EXPECT_GE(window_share(reach_of(ellipsoid(a, 1.2)), reach_of(fixed), true),
+                EXPECT_GE(window_share(reach_of(ellipsoid(a, 1.2)), reach_of(fixed), 6, true),
                           taken(ellipsoid(a, angle), fixed))
                     << a[0] << ' ' << b[0] << ' ' << angle;
-                EXPECT_GE(window_share(reach_of(ellipsoid(a, 1.2)), reach_of(fixed), false),
+                EXPECT_GE(window_share(reach_of(ellipsoid(a, 1.2)), reach_of(fixed), 6, false),
                           taken(ellipsoid(a, 1.2), fixed));
             }
         }
@@ -74,15 +74,17 @@ TEST(SolidReach, NoWindowIsLargerThanPredicted) {
 TEST(SolidReach, ThinSolidsNeedAPartOfTheCubeAndFullOnesAllOfIt) {
     const SolidReach foot = reach_of(ellipsoid({0.36, 0.12, 0.1}, 0)),
                      ball = reach_of(ellipsoid({0.36, 0.36, 0.36}, 0));
-    EXPECT_LT(window_share(foot, foot, true), 0.6);
-    EXPECT_EQ(window_share(ball, ball, true), 1.0);
-    EXPECT_EQ(window_share(ball, foot, true), 1.0);
+    EXPECT_LT(window_share(foot, foot, 6, true), 0.6);
+    EXPECT_EQ(window_share(ball, ball, 6, true), 1.0);
+    EXPECT_EQ(window_share(ball, foot, 6, true), 1.0);
     const SolidReach all[] = {foot, foot, ball};
-    EXPECT_EQ(largest_window_share(all, true), 1.0);
-    EXPECT_LT(largest_window_share(std::span(all).first(2), true), 0.6);
+    EXPECT_EQ(largest_window_share(all, 6, true), 1.0);
+    EXPECT_LT(largest_window_share(std::span(all).first(2), 6, true), 0.6);
     const SolidReach half = foot.scaled(0.5);
     EXPECT_NEAR(half.radius, 0.5 * foot.radius, 1e-12);
-    EXPECT_LT(window_share(half, half, true), window_share(foot, foot, true));
+    EXPECT_LT(window_share(half, half, 6, true), window_share(foot, foot, 6, true));
+    EXPECT_LT(window_share(foot, foot, 7, true), window_share(foot, foot, 6, true));
+    EXPECT_EQ(largest_window_share({}, 6, true), 1.0);
 }
 
 /// Peaks in MB of the whole program at L = 6, K = 4: two feet, cat and lion (windows), balls (no window).
@@ -92,8 +94,8 @@ TEST(MemoryModel, IsNeverBelowWhatWasMeasuredAndNotFarAboveIt) {
         return static_cast<double>(bytes >> 20);
     };
     const SolidReach foot = reach_of(ellipsoid({0.36, 0.12, 0.1}, 0));
-    EXPECT_GT(predicted(window_share(foot, foot, true)), 324);
-    EXPECT_LT(predicted(window_share(foot, foot, true)), 520);
+    EXPECT_GT(predicted(window_share(foot, foot, 6, true)), 324);
+    EXPECT_LT(predicted(window_share(foot, foot, 6, true)), 520);
     EXPECT_GT(predicted(1.0), 600);
 }
 

@@ -78,6 +78,25 @@ TYPED_TEST(PathWindowIn, ShapesThatFillTheCubeHaveNone) {
     EXPECT_GT(window->cut_out(corner).values.back(), 0.0);
 }
 
+TYPED_TEST(PathWindowIn, TakesAShareThatIsKnownFromTheSidesOfTheBoxAndShrinksOnFinerGrids) {
+    constexpr int dim = TypeParam::value;
+    double before = 1.0;
+    for (const int level : {5, 6, 7}) {
+        const auto ball = tests::ball<dim>(level, 0.15);
+        const auto window = PathWindow<dim>::around(blended_path(ball, ball, 1), ball, ball);
+        double share = 1.0;
+        std::array<double, dim> sides;
+        sides.fill(0.3);
+        if (window) {
+            for (const int n : window->grid().cells()) share *= static_cast<double>(n) / (1 << level);
+        }
+        EXPECT_LE(share, window_share<dim>(level, sides)) << level;
+        EXPECT_LE(share, before) << level;
+        before = share;
+    }
+    EXPECT_LT(before, dim == 2 ? 0.26 : 0.2);  // room of a few cells: 6 in the plane, 11 in space
+}
+
 TYPED_TEST(PathWindowIn, WhatIsCutOutComesBack) {
     constexpr int dim = TypeParam::value;
     const Problem<dim> problem;
