@@ -23,8 +23,8 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps, double windo
     const double n = nodes(dimension, level), fields = dimension * time_steps + time_steps - 1;
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
     constexpr double history = 4;
-    // The path and the next one; the path, two gradients and the direction in single precision; the history.
-    const double path = fields * (2 * sizeof(double) + (4 + 2 * history) * sizeof(float));
+    // The path and the next one; the path, two gradients and the direction in single precision; the history of halves.
+    const double path = fields * (2 * sizeof(double) + 4 * sizeof(float) + 2 * history * sizeof(float) / 2);
     // Multigrid: diagonal, mass and block inverse (symmetric matrices), edges.
     const double matrix = dimension * (dimension + 1) / 2.0;
     const double cycles = time_steps * (1 + 2 * matrix + dimension) * coarser + (time_steps - 1);

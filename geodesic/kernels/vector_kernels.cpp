@@ -23,8 +23,8 @@ constexpr std::size_t chunk = 4096;  // 16 kB: half of a first-level cache
 #define MORPHODESIC_CLONES
 #endif
 
-MORPHODESIC_CLONES void add_scaled_chunk(float* y, float factor, const float* x, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) y[i] += factor * x[i];
+MORPHODESIC_CLONES void add_scaled_chunk(float* y, float factor, const HalfFloat* x, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) y[i] += factor * x[i].value();
 }
 
 MORPHODESIC_CLONES void scale_chunk(float* out, const float* x, float factor, std::size_t n) {
@@ -35,8 +35,37 @@ MORPHODESIC_CLONES void step_chunk(double* out, const double* x, double factor, 
     for (std::size_t i = 0; i < n; ++i) out[i] = x[i] + factor * static_cast<double>(d[i]);
 }
 
-MORPHODESIC_CLONES void difference_chunk(float* out, const double* a, const double* b, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) out[i] = static_cast<float>(a[i] - b[i]);
+MORPHODESIC_CLONES void difference_chunk(HalfFloat* out, const double* a, const double* b, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = HalfFloat(static_cast<float>(a[i] - b[i]));
+}
+
+inline float value_of(float v) {
+    return v;
+}
+inline float value_of(HalfFloat v) {
+    return v.value();
+}
+
+template <class T>
+inline __attribute__((always_inline)) double short_dot(const T* a, const HalfFloat* b, std::size_t n) {
+    constexpr std::size_t lanes = 32;
+    float sums[lanes] = {};
+    std::size_t i = 0;
+    for (; i + lanes <= n; i += lanes) {
+        for (std::size_t j = 0; j < lanes; ++j) sums[j] += value_of(a[i + j]) * b[i + j].value();
+    }
+    double sum = 0.0;
+    for (; i < n; ++i) sum += static_cast<double>(value_of(a[i]) * b[i].value());
+    for (const float s : sums) sum += static_cast<double>(s);
+    return sum;
+}
+
+// Clones cannot be templates.
+MORPHODESIC_CLONES double dot_chunk(const float* a, const HalfFloat* b, std::size_t n) {
+    return short_dot(a, b, n);
+}
+MORPHODESIC_CLONES double dot_chunk(const HalfFloat* a, const HalfFloat* b, std::size_t n) {
+    return short_dot(a, b, n);
 }
 
 MORPHODESIC_CLONES double dot_chunk(const float* a, const float* b, std::size_t n) {
@@ -51,8 +80,8 @@ MORPHODESIC_CLONES double dot_chunk(const float* a, const float* b, std::size_t 
     return sum;
 }
 
-MORPHODESIC_CLONES void difference_chunk(float* out, const float* a, const float* b, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) out[i] = a[i] - b[i];
+MORPHODESIC_CLONES void difference_chunk(HalfFloat* out, const float* a, const float* b, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = HalfFloat(a[i] - b[i]);
 }
 
 template <class Body>
@@ -123,7 +152,6 @@ inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, c
     }
 }
 
-// Clones cannot be templates.
 MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
                                          const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
                                          unsigned char* flag) {
@@ -154,7 +182,7 @@ void step(std::span<double> out, std::span<const double> x, double factor, std::
     });
 }
 
-void dots(std::span<const float> a, std::span<const std::span<const float>> b, std::span<double> result) {
+void dots(std::span<const float> a, std::span<const std::span<const HalfFloat>> b, std::span<double> result) {
     assert(b.size() == result.size());
     const std::size_t count = b.size();
     std::vector<double> partial((a.size() + chunk - 1) / chunk * count, 0.0);
@@ -168,7 +196,7 @@ void dots(std::span<const float> a, std::span<const std::span<const float>> b, s
 }
 
 void combine(std::span<float> out, float factor, std::span<const float> a, std::span<const double> factors,
-             std::span<const std::span<const float>> b) {
+             std::span<const std::span<const HalfFloat>> b) {
     assert(b.size() == factors.size());
     for_chunks(out.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         scale_chunk(out.data() + begin, a.data() + begin, factor, end - begin);
@@ -178,8 +206,8 @@ void combine(std::span<float> out, float factor, std::span<const float> a, std::
     });
 }
 
-double differences(std::span<float> s, std::span<const double> x, std::span<const double> x0, std::span<float> y,
-                   std::span<const float> g, std::span<const float> g0) {
+double differences(std::span<HalfFloat> s, std::span<const double> x, std::span<const double> x0,
+                   std::span<HalfFloat> y, std::span<const float> g, std::span<const float> g0) {
     std::vector<double> partial((s.size() + chunk - 1) / chunk, 0.0);
     for_chunks(s.size(), [&](std::size_t c, std::size_t begin, std::size_t end) {
         const std::size_t n = end - begin;

@@ -12,8 +12,9 @@ void LbfgsHistory::clear() {
     added_ = false;
 }
 
-std::vector<std::span<const float>> LbfgsHistory::all(std::vector<float> Pair::*vector) const {
-    std::vector<std::span<const float>> views;
+std::vector<std::span<const kernels::HalfFloat>> LbfgsHistory::all(
+    std::vector<kernels::HalfFloat> Pair::*vector) const {
+    std::vector<std::span<const kernels::HalfFloat>> views;
     for (const Pair& pair : pairs_) views.emplace_back(pair.*vector);
     return views;
 }
@@ -74,8 +75,8 @@ void LbfgsHistory::add_tried(std::span<const double> x, std::span<const double> 
     if (!added_) return;
     added_ = false;
     std::vector<double> product(pairs_.size());
-    kernels::dots(pairs_.back().y, all(&Pair::s), product);
-    for (std::size_t i = 0; i + 1 < pairs_.size(); ++i) pairs_[i].later.push_back(product[i]);
+    kernels::dots(g, all(&Pair::s), product);
+    for (std::size_t i = 0; i + 1 < pairs_.size(); ++i) pairs_[i].later.push_back(product[i] - pairs_[i].slope);
 }
 
 }  // namespace morphodesic

@@ -4,12 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "geodesic/kernels/vector_kernels.h"
+
 namespace morphodesic {
 
-/// The last steps s_i and changes of the gradient y_i of a minimisation, single precision, and the direction of L-BFGS
-/// from them. The two loops [Nocedal & Wright, algorithm 7.4] are run on scalar products: with s_i . y_j at hand, all
-/// s_i . g come from one pass over the vectors, and so do the sums, so memory is read four times in all instead of
-/// four times per pair.
+/// The last steps s_i and changes of the gradient y_i of a minimisation, half floats (memory is what they wait for, and
+/// the curvature they tell holds to a per cent at best), and the direction of L-BFGS from them. The two loops [Nocedal
+/// & Wright, algorithm 7.4] are run on scalar products: with s_i . y_j at hand, all s_i . g come from one pass over the
+/// vectors, and so do the sums, so memory is read four times in all instead of four times per pair.
 class LbfgsHistory {
 public:
     LbfgsHistory(std::size_t size, int capacity) : size_(size), capacity_(static_cast<std::size_t>(capacity)) {}
@@ -33,14 +35,15 @@ public:
 
 private:
     struct Pair {
-        std::vector<float> s, y;
+        std::vector<kernels::HalfFloat> s, y;
         double curvature = 0.0;     // s . y
         std::vector<double> later;  // s . y_j of the pairs after this one
         double slope = 0.0;         // s . g at the last gradient seen
         double alpha = 0.0;
     };
 
-    [[nodiscard]] std::vector<std::span<const float>> all(std::vector<float> Pair::*vector) const;
+    [[nodiscard]] std::vector<std::span<const kernels::HalfFloat>> all(
+        std::vector<kernels::HalfFloat> Pair::*vector) const;
 
     std::size_t size_, capacity_;
     std::vector<Pair> pairs_;  // oldest first

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -9,8 +10,8 @@
 namespace morphodesic {
 namespace {
 
-/// The direction against the two loops written out [Nocedal & Wright, algorithm 7.4] in double precision, while the
-/// history fills, learns from steps that are not taken, drops old pairs and is cleared once.
+/// The direction against the two loops written out [Nocedal & Wright, algorithm 7.4] in double precision on the rounded
+/// pairs, while the history fills, learns from steps that are not taken, drops old pairs and is cleared once.
 TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
     constexpr int n = 9000, capacity = 4;  // more than two chunks
     std::mt19937 random(3);
@@ -20,6 +21,10 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
     const Eigen::VectorXd scaling = draw().cwiseAbs() + Eigen::VectorXd::Constant(n, 0.1);  // the preconditioner
     const auto as_float = [](const Eigen::VectorXd& v) { return std::vector<float>(v.begin(), v.end()); };
     const auto as_double = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
+
+    const auto rounded = [](const Eigen::VectorXd& v) {
+        return v.unaryExpr([](double e) { return double{kernels::HalfFloat(static_cast<float>(e)).value()}; }).eval();
+    };
 
     LbfgsHistory history(n, capacity);
     std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs;
@@ -44,7 +49,7 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
         double error = 0.0;
         for (int i = 0; i < n; ++i)
             error += std::pow(static_cast<double>(direction[static_cast<std::size_t>(i)]) + q(i), 2);
-        EXPECT_LT(std::sqrt(error), 1e-4 * q.norm()) << "iteration " << iteration;
+        EXPECT_LT(std::sqrt(error), 1e-3 * q.norm()) << "iteration " << iteration;
     };
     for (int iteration = 0; iteration < 12; ++iteration) {
         if (iteration == 6) {
@@ -53,7 +58,7 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
         }
         expect_two_loops(iteration);
         const auto remember = [&](const Eigen::VectorXd& next) {
-            pairs.emplace_back(next - x, curvature.cwiseProduct(next) - g);
+            pairs.emplace_back(rounded(next - x), rounded(curvature.cwiseProduct(next) - g));
             if (pairs.size() > capacity) pairs.erase(pairs.begin());
         };
         for (int tried = 0; tried < iteration % 3; ++tried) {
@@ -68,6 +73,19 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
         x = next;
         g = next_g;
     }
+}
+
+TEST(HalfFloat, IsTheNearestWithEightBitsOfMantissa) {
+    std::mt19937 random(5);
+    std::normal_distribution<float> normal;
+    for (int i = 0; i < 1000; ++i) {
+        const float v = std::ldexp(normal(random), i % 80 - 40);
+        const float kept = kernels::HalfFloat(v).value();
+        EXPECT_LE(std::abs(kept - v), std::abs(v) / 256) << v;
+        EXPECT_EQ(kernels::HalfFloat(kept).value(), kept);
+    }
+    EXPECT_EQ(kernels::HalfFloat(0.0F).value(), 0.0F);
+    EXPECT_EQ(kernels::HalfFloat(-1.5F).value(), -1.5F);
 }
 
 TEST(LbfgsHistory, StepsWithoutCurvatureAreLeftOut) {
