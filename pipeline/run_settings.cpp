@@ -67,11 +67,11 @@ const std::vector<Preset>& presets() {
          "2 %",
          5, 2, 1e-2, 3},
         {"standard",
-         "level 6, 4 steps: for studies; 0.1 s of a core per 2D pair, distances some 5 % short, extrapolated within "
+         "level 6, 8 steps: for studies; 0.13 s of a core per 2D pair, distances some 5 % short, extrapolated within "
          "1.5 %",
-         6, 4, 1e-3, 16},
+         6, 8, 5e-3, 16},
         {"fine",
-         "level 7, 8 steps: for final numbers; seven times the cost of standard, some 2.5 % short, extrapolated "
+         "level 7, 8 steps: for final numbers; five times the cost of standard, some 2.5 % short, extrapolated "
          "within 0.5 %",
          7, 8, 5e-4, 16},
     };

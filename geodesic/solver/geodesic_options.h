@@ -9,7 +9,7 @@ namespace morphodesic {
 /// report: add a parameter here and to for_each_field, nowhere else.
 struct GeodesicOptions {
     int level = 6;                           ///< L, 3 <= L <= 10: grid with 2^L + 1 nodes per axis
-    int time_steps = 4;                      ///< K >= 1, a power of two: the path has K + 1 shapes
+    int time_steps = 8;                      ///< K >= 1, a power of two: the path has K + 1 shapes
     double mismatch_weight_per_step = 25.0;  ///< eta = 25 K, > 0 (method.md, 4)
     double mismatch_weight = 0.0;            ///< fixed eta in (14), the paper's literal choice; 0: eta grows with K
     double lambda = 3.0;                     ///< Lame parameter lambda >= 0 of the dissipation (1)
@@ -18,7 +18,7 @@ struct GeodesicOptions {
     double rim_width = 0.5;                  ///< eps / h in H_eps, > 0; the paper has 1, half of it halves the error
     double area_weight = 0.0;                ///< nu in (14), >= 0
     bool preserve_volume = false;            ///< shapes between keep the area (volume) interpolated between the ends
-    double tolerance = 1e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
+    double tolerance = 5e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
     int starts = 16;                         ///< alignments from which the search starts, >= 1

@@ -88,12 +88,15 @@ BENCHMARK(letters_a_to_b)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-/// All pairs of A, B, M, X in three fonts with the settings of the preset standard on one core.
+/// All pairs of A, B, M, X in three fonts, L = 6, on one core: time steps, 10^5 times the tolerance.
 void letters_throughput(benchmark::State& state) {
     const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
     const std::filesystem::path folder = "/usr/share/fonts/truetype/";
     const auto shapes = letters_of(
         "ABMX", {dejavu, folder / "dejavu/DejaVuSerif.ttf", folder / "liberation/LiberationSans-Regular.ttf"}, 7);
+    GeodesicOptions options;
+    options.time_steps = static_cast<int>(state.range(0));
+    options.tolerance = 1e-5 * static_cast<double>(state.range(1));
     double energy = 0.0;
     int pairs = 0;
     for (auto _ : state) {
@@ -101,14 +104,18 @@ void letters_throughput(benchmark::State& state) {
         pairs = 0;
         for (std::size_t i = 0; i < shapes.size(); ++i) {
             for (std::size_t j = 0; j < i; ++j, ++pairs) {
-                energy += compute_discrete_geodesic<2>(shapes[i], shapes[j], GeodesicOptions{}).total_energy;
+                energy += compute_discrete_geodesic<2>(shapes[i], shapes[j], options).total_energy;
             }
         }
     }
     state.counters["mean_E"] = energy / pairs;
     state.counters["pairs_per_core_second"] = benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(letters_throughput)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(letters_throughput)  // few steps, and the preset standard
+    ->Args({4, 100})
+    ->Args({8, 500})
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1);
 
 /// Two boxes turned against each other and stretched, 3D: level, K = 4; all cores.
 void solids(benchmark::State& state) {
@@ -117,6 +124,8 @@ void solids(benchmark::State& state) {
     const auto b = tests::turned_box<3>(level, {0.2, 0.16, 0.14}, {0.5, 0.5, 0.5}, 0.4);
     GeodesicOptions options;
     options.level = level;
+    options.time_steps = 4;
+    options.tolerance = 1e-3;
     GeodesicResult<3> result;
     for (auto _ : state) result = compute_discrete_geodesic<3>(a, b, options);
     state_result(state, result);
