@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geodesic/kernels/vector_kernels.h"
 #include "pipeline/memory_limits.h"
 
 namespace morphodesic::pipeline {
@@ -24,7 +25,7 @@ std::size_t bytes_of_pair(int dimension, int level, int time_steps, double windo
     const double coarser = dimension == 2 ? 4.0 / 3.0 : 8.0 / 7.0;
     constexpr double history = 4;
     // The path and the next one; the path, two gradients and the direction in single precision; the history of halves.
-    const double path = fields * (2 * sizeof(double) + 4 * sizeof(float) + 2 * history * sizeof(float) / 2);
+    const double path = fields * (2 * sizeof(double) + 4 * sizeof(float) + 2 * history * sizeof(kernels::HalfFloat));
     // Multigrid: diagonal, mass and block inverse (symmetric matrices), edges.
     const double matrix = dimension * (dimension + 1) / 2.0;
     const double cycles = time_steps * (1 + 2 * matrix + dimension) * coarser + (time_steps - 1);

@@ -8,6 +8,7 @@
 namespace morphodesic {
 
 /// Share of the cube in the window around shapes that lie in a box with these sides; 1 where no window is taken.
+/// @param level  one on which paths are minimised in windows, from 5 on
 /// @param sides  in units of the cube
 template <int Dim>
 [[nodiscard]] double window_share(int level, const std::array<double, Dim>& sides);
