@@ -28,15 +28,16 @@ std::array<int, Dim> padded(int cells, const std::array<int, Dim>& sides) {
     return result;
 }
 
+// A larger share of the cube is not worth it.
+constexpr double largest_share = 0.8;
+
+/// Share of the cube in a box with these sides, in cells; 1 where that is not worth it.
 template <int Dim>
 double share_of(int cells, const std::array<int, Dim>& sides) {
     double share = 1.0;
     for (const int side : sides) share *= static_cast<double>(side) / cells;
-    return share;
+    return share > largest_share ? 1.0 : share;
 }
-
-// A larger share of the cube is not worth it.
-constexpr double largest_share = 0.8;
 
 }  // namespace
 
@@ -45,8 +46,7 @@ double window_share(int level, const std::array<double, Dim>& sides) {
     const int cells = 1 << level;
     std::array<int, Dim> needed;
     for (std::size_t a = 0; a < Dim; ++a) needed[a] = static_cast<int>(std::ceil(sides[a] * cells));
-    const double share = share_of<Dim>(cells, padded<Dim>(cells, needed));
-    return share > largest_share ? 1.0 : share;
+    return share_of<Dim>(cells, padded<Dim>(cells, needed));
 }
 
 template <int Dim>
@@ -78,7 +78,7 @@ std::optional<PathWindow<Dim>> PathWindow<Dim>::around(const PathState<Dim>& pat
     Index size;
     for (std::size_t a = 0; a < Dim; ++a) size[a] = std::max(high[a] - low[a], 0);
     size = padded<Dim>(cells, size);
-    if (share_of<Dim>(cells, size) > largest_share) return std::nullopt;
+    if (share_of<Dim>(cells, size) == 1.0) return std::nullopt;
     for (std::size_t a = 0; a < Dim; ++a) {
         low[a] = std::clamp((low[a] + high[a] - size[a]) / 2, 0, cells - size[a]);
     }

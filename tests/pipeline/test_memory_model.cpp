@@ -94,9 +94,9 @@ TEST(MemoryModel, IsNeverBelowWhatWasMeasuredAndNotFarAboveIt) {
         return static_cast<double>(bytes >> 20);
     };
     const SolidReach foot = reach_of(ellipsoid({0.36, 0.12, 0.1}, 0));
-    EXPECT_GT(predicted(window_share(foot, foot, 6, true)), 310);
+    EXPECT_GT(predicted(window_share(foot, foot, 6, true)), 324);
     EXPECT_LT(predicted(window_share(foot, foot, 6, true)), 520);
-    EXPECT_GT(predicted(1.0), 520);
+    EXPECT_GT(predicted(1.0), 560);
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(LbfgsHistory, DirectionIsThatOfTheTwoLoops) {
         double error = 0.0;
         for (int i = 0; i < n; ++i)
             error += std::pow(static_cast<double>(direction[static_cast<std::size_t>(i)]) + q(i), 2);
-        EXPECT_LT(std::sqrt(error), 1e-3 * q.norm()) << "iteration " << iteration;
+        EXPECT_LT(std::sqrt(error), 1e-4 * q.norm()) << "iteration " << iteration;
     };
     for (int iteration = 0; iteration < 12; ++iteration) {
         if (iteration == 6) {
