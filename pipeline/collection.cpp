@@ -381,7 +381,11 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         }
     }
     try {
-        datasets::Shape<Dim> shape = normalize(raw_shape<Dim>(entry, collection.import), collection.placement);
+        datasets::Shape<Dim> shape = [&] {
+            const datasets::RawShape<Dim> raw = raw_shape<Dim>(entry, collection.import);
+            result.row.extent_radius = raw.extent_radius;
+            return normalize(raw, collection.placement);
+        }();
         if (datasets::file_digest(entry.source.path) != entry.row.file_digest) {
             throw datasets::ReadError(entry.source.path, "the file changed while the study was reading it",
                                       "give the same command again");

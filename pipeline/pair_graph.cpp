@@ -41,8 +41,7 @@ public:
                                           shape.mask ? *shape.mask : no_mask);
             }
             ++summary_.shapes;
-            // Files with equal content are one shape.
-            shapes_.emplace(shape.row.content_digest, shape.mask != nullptr);
+            add_shape(shapes_, shape.row.content_digest, traits_of(shape.row, shape.mask != nullptr));
             cache_.keep(shape);
         } else {
             ++summary_.shapes_failed;
@@ -101,8 +100,8 @@ private:
     Progress& progress_;
     PairGraphSummary& summary_;
     std::size_t waiting_;
-    bool begun_ = false;                  // the store may be changed
-    std::map<std::string, bool> shapes_;  // by digest: has an occlusion mask
+    bool begun_ = false;  // the store may be changed
+    DifferentShapes shapes_;
     ShapeCache<Dim> cache_;
 };
 

@@ -17,7 +17,7 @@ struct PairSelection {
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("both-directions", self.both_directions,
-              "compute both directions of every pair and use the mean; else one, chosen by the contents");
+              "compute both directions of every pair and use the mean; else one, from the larger shape to the smaller");
         visit("neighbors", self.neighbors,
               "k > 0: solve all pairs coarsely and only those finely that can be among the k nearest of a shape; the "
               "others get an estimate and are marked; 0: all pairs finely");
@@ -84,6 +84,6 @@ struct Preset {
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
 /// different solvers never share a matrix.
-inline constexpr int solver_revision = 12;
+inline constexpr int solver_revision = 13;
 
 }  // namespace morphodesic::pipeline

@@ -14,7 +14,7 @@ namespace morphodesic::pipeline {
 namespace {
 
 using nlohmann::json;
-constexpr int plan_version = 2;
+constexpr int plan_version = 3;
 
 }  // namespace
 
@@ -22,8 +22,7 @@ std::vector<GeodesicKey> ShardPlan::geodesics_of(const Tile& tile) const {
     std::vector<GeodesicKey> keys;
     for (std::size_t i = tile.rows_begin; i < tile.rows_end; ++i) {
         for (std::size_t j = std::max(i + 1, tile.columns_begin); j < tile.columns_end; ++j) {
-            for (GeodesicKey& key : geodesics_of_pair(shapes[i].first, shapes[i].second, shapes[j].first,
-                                                      shapes[j].second, settings.pairs.both_directions)) {
+            for (GeodesicKey& key : geodesics_of_pair(shapes[i], shapes[j], settings.pairs.both_directions)) {
                 keys.push_back(std::move(key));
             }
         }
@@ -46,7 +45,9 @@ std::string ShardPlan::text() const {
     for (const Tile& t : tiles) {
         list.push_back({t.shard, t.rows_begin, t.rows_end, t.columns_begin, t.columns_end, t.missing});
     }
-    for (const auto& [digest, masked] : shapes) digests.push_back({digest, masked});
+    for (const auto& [digest, traits] : shapes) {
+        digests.push_back({digest, traits.masked, traits.volume, traits.extent_radius});
+    }
     return json{{"format", "morphodesic plan"},
                 {"version", plan_version},
                 {"solver_revision", solver_revision},
@@ -77,7 +78,7 @@ ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, const
     plan.settings = settings;
     plan.geodesic = geodesic;
     const DifferentShapes different = different_shapes(store);
-    plan.shapes.assign(different.begin(), different.end());
+    for (const auto& shape : different) plan.shapes.push_back(shape);
     const auto stored = store.stored_pairs(settings_hash(geodesic));
 
     // About eight tiles for every shard, so that the shards come out even; not so small that shapes are read for a few
@@ -125,7 +126,7 @@ void write_plan(const ShardPlan& plan, const ResultStore& store, const std::file
         ResultStore out(temporary, ResultStore::Access::write);
         out.set_fact("plan", plan.text());
         with_dimension(plan.dimension, [&]<int Dim>() {
-            for (const auto& [digest, masked] : plan.shapes) {
+            for (const auto& [digest, traits] : plan.shapes) {
                 ScalarField<Dim> mask;
                 const LevelSet<Dim> level_set = store.level_set<Dim>(digest, &mask);
                 out.put_level_set<Dim>(digest, level_set, mask);
@@ -153,7 +154,7 @@ ShardPlan read_plan(const ResultStore& plan_file) {
     plan.settings = settings_from_text(j.at("settings").get<std::string>());
     plan.geodesic = settings_from_text(j.at("geodesic").get<std::string>()).geodesic;
     for (const json& shape : j.at("shapes"))
-        plan.shapes.emplace_back(shape[0].get<std::string>(), shape[1].get<bool>());
+        plan.shapes.emplace_back(shape[0].get<std::string>(), ShapeTraits{shape[1], shape[2], shape[3]});
     for (const json& t : j.at("tiles")) plan.tiles.push_back({t[1], t[2], t[3], t[4], t[0], t[5]});
     return plan;
 }

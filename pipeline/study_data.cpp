@@ -41,7 +41,7 @@ StudyData load_study(const ResultStore& store) {
     data.level_of.assign(data.distances.pair_count(), static_cast<unsigned char>(finest));
     const bool screened = rounds.screened() && rounds.screening.missing.empty();
     std::map<std::string, std::size_t> number;
-    for (const auto& [digest, masked] : rounds.shapes) number.emplace(digest, number.size());
+    for (const auto& [digest, traits] : rounds.shapes) number.emplace(digest, number.size());
 
     for (std::size_t i = 0; i < data.shapes.size(); ++i) {
         for (std::size_t j = i + 1; j < data.shapes.size(); ++j) {
@@ -50,7 +50,7 @@ StudyData load_study(const ResultStore& store) {
                 data.distances.set(i, j, 0.0, 0.0);
                 continue;
             }
-            const auto keys = geodesics_of_pair(a, rounds.shapes.at(a), b, rounds.shapes.at(b), both);
+            const auto keys = geodesics_of_pair(*rounds.shapes.find(a), *rounds.shapes.find(b), both);
             const std::size_t p = data.index(i, j);
             data.first_is_a[p] = keys.front().first == a;
             std::size_t level = finest;

@@ -8,15 +8,6 @@
 #include "analysis/distance_matrix.h"
 
 namespace morphodesic::pipeline {
-namespace {
-
-std::vector<GeodesicKey> keys_between(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b,
-                                      bool both_directions) {
-    return geodesics_of_pair(a.first, a.second, b.first, b.second, both_directions);
-}
-
-}  // namespace
-
 PairDistance distance_of_pair(const GeodesicRows& rows, const std::vector<GeodesicKey>& keys) {
     PairDistance pair;
     std::vector<double> lengths;
@@ -50,7 +41,7 @@ DifferentShapes different_shapes(const ResultStore& store) {
     DifferentShapes shapes;
     for (const StoredShape& shape : store.shapes()) {
         if (!shape.problem.empty() || shape.content_digest.empty()) continue;
-        shapes.emplace(shape.content_digest, masked.contains(shape.content_digest));
+        add_shape(shapes, shape.content_digest, traits_of(shape, masked.contains(shape.content_digest)));
     }
     return shapes;
 }
@@ -61,7 +52,7 @@ std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
     std::set<GeodesicKey> keys;
     const GeodesicRows& there = rows[screening.level];
     for (const auto& [i, j] : screening.missing) {
-        for (GeodesicKey& key : keys_between(*order[i], *order[j], both_directions)) {
+        for (GeodesicKey& key : geodesics_of_pair(*order[i], *order[j], both_directions)) {
             if (!there.contains(key)) keys.insert(std::move(key));
         }
     }
@@ -86,7 +77,7 @@ StudyRounds rounds_of(const ResultStore& store, const RunSettings& settings, con
             const auto a = number.find(key.first), b = number.find(key.second);
             if (a == number.end() || b == number.end()) continue;  // of a file that has left the collection
             const auto [i, j] = std::minmax(a->second, b->second);
-            const auto keys = keys_between(*order[i], *order[j], settings.pairs.both_directions);
+            const auto keys = geodesics_of_pair(*order[i], *order[j], settings.pairs.both_directions);
             if (key != keys.front()) continue;
             const PairDistance pair = distance_of_pair(rounds.rows[level], keys);
             if (!pair.complete) continue;

@@ -26,8 +26,7 @@ using GeodesicRows = std::map<GeodesicKey, StoredGeodesic>;
 [[nodiscard]] GeodesicRows rows_of(const ResultStore& store, const GeodesicOptions& options,
                                    const ResultStore::OnDamage& on_damage = {});
 
-/// The shapes of a study: content digest -> whether it has an occlusion mask. Files with equal content are one.
-using DifferentShapes = std::map<std::string, bool>;
+/// The usable shapes of a study.
 [[nodiscard]] DifferentShapes different_shapes(const ResultStore& store);
 
 /// A study computes its pairs in rounds: one round of all pairs, or, with PairSelection::neighbors, those of a

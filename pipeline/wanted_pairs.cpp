@@ -6,23 +6,43 @@
 
 namespace morphodesic::pipeline {
 
-GeodesicKey oriented_pair(const std::string& a, bool a_has_mask, const std::string& b, bool b_has_mask) {
-    const bool keep = a_has_mask != b_has_mask ? a_has_mask : a < b;
-    return keep ? GeodesicKey(a, b) : GeodesicKey(b, a);
+ShapeTraits traits_of(const StoredShape& shape, bool masked) {
+    return {masked, shape.volume, shape.extent_radius * shape.scale};
 }
 
-std::vector<GeodesicKey> geodesics_of_pair(const std::string& a, bool a_has_mask, const std::string& b, bool b_has_mask,
+void add_shape(DifferentShapes& shapes, const std::string& content_digest, const ShapeTraits& traits) {
+    const auto [at, added] = shapes.emplace(content_digest, traits);
+    if (added) return;
+    at->second.volume = std::min(at->second.volume, traits.volume);
+    at->second.extent_radius = std::min(at->second.extent_radius, traits.extent_radius);
+}
+
+GeodesicKey oriented_pair(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b) {
+    const auto key = [](const auto& first, const auto& second) { return GeodesicKey(first.first, second.first); };
+    const ShapeTraits &x = a.second, &y = b.second;
+    if (x.masked != y.masked) return x.masked ? key(a, b) : key(b, a);
+    const bool measured = x.extent_radius > 0.0 && y.extent_radius > 0.0;
+    const auto size = [&](const ShapeTraits& t) {
+        return t.volume * (measured ? t.extent_radius * t.extent_radius : 1.0);
+    };
+    if (size(x) != size(y)) return size(x) > size(y) ? key(a, b) : key(b, a);
+    return a.first < b.first ? key(a, b) : key(b, a);
+}
+
+std::vector<GeodesicKey> geodesics_of_pair(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b,
                                            bool both_directions) {
-    std::vector<GeodesicKey> keys{oriented_pair(a, a_has_mask, b, b_has_mask)};
-    if (both_directions && !a_has_mask && !b_has_mask) keys.emplace_back(keys.front().second, keys.front().first);
+    std::vector<GeodesicKey> keys{oriented_pair(a, b)};
+    if (both_directions && !a.second.masked && !b.second.masked) {
+        keys.emplace_back(keys.front().second, keys.front().first);
+    }
     return keys;
 }
 
-std::vector<GeodesicKey> wanted_geodesics(const std::map<std::string, bool>& shapes, bool both_directions) {
+std::vector<GeodesicKey> wanted_geodesics(const DifferentShapes& shapes, bool both_directions) {
     std::vector<std::pair<std::string, GeodesicKey>> found;
     for (auto i = shapes.begin(); i != shapes.end(); ++i) {
         for (auto j = std::next(i); j != shapes.end(); ++j) {
-            for (GeodesicKey& key : geodesics_of_pair(i->first, i->second, j->first, j->second, both_directions)) {
+            for (GeodesicKey& key : geodesics_of_pair(*i, *j, both_directions)) {
                 std::string order = digest(key.first + key.second);
                 found.emplace_back(std::move(order), std::move(key));
             }

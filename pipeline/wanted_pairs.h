@@ -5,26 +5,43 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/run_settings.h"
+#include "pipeline/result_store.h"
 
 namespace morphodesic::pipeline {
 
 /// A geodesic by the content digests of its two ends: from first to second.
 using GeodesicKey = std::pair<std::string, std::string>;
 
-/// Direction of a pair: an occluded shape first (its mask belongs to the first step), else by content digest; so a pair
-/// has the same result whatever its files are called and in whatever order they come.
-[[nodiscard]] GeodesicKey oriented_pair(const std::string& a, bool a_has_mask, const std::string& b, bool b_has_mask);
+/// What decides, beside its content, in which direction the geodesics of a shape are computed.
+struct ShapeTraits {
+    bool masked = false;         ///< has an occlusion mask
+    double volume = 0.0;         ///< area (volume) in units of the cube
+    double extent_radius = 0.0;  ///< in units of the cube; 0 if not measured
+
+    friend bool operator==(const ShapeTraits&, const ShapeTraits&) = default;
+};
+
+[[nodiscard]] ShapeTraits traits_of(const StoredShape& shape, bool masked);
+
+/// The different shapes of a study by content digest. Files with equal content are one shape.
+using DifferentShapes = std::map<std::string, ShapeTraits>;
+
+/// Adds a shape; of files with equal content the order does not matter.
+void add_shape(DifferentShapes& shapes, const std::string& content_digest, const ShapeTraits& traits);
+
+/// Direction of a pair. An occluded shape comes first (its mask belongs to the first step); else the larger one by
+/// volume times squared extent, which no rigid motion changes, so that the direction does not either (paths from large
+/// to small are also nearer to the closed forms); else the order of the digests decides. What the files are called and
+/// in what order they come does not matter.
+[[nodiscard]] GeodesicKey oriented_pair(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b);
 
 /// The geodesics that make the distance of a pair: one, or both directions if that is asked for; a pair with one
 /// occluded shape has one direction only.
-[[nodiscard]] std::vector<GeodesicKey> geodesics_of_pair(const std::string& a, bool a_has_mask, const std::string& b,
-                                                         bool b_has_mask, bool both_directions);
+[[nodiscard]] std::vector<GeodesicKey> geodesics_of_pair(const DifferentShapes::value_type& a,
+                                                         const DifferentShapes::value_type& b, bool both_directions);
 
 /// All geodesics of a study, in an order that is as good as random but always the same: the first ones are a fair
 /// sample of all.
-/// @param shapes  content digest -> whether the shape has an occlusion mask
-[[nodiscard]] std::vector<GeodesicKey> wanted_geodesics(const std::map<std::string, bool>& shapes,
-                                                        bool both_directions);
+[[nodiscard]] std::vector<GeodesicKey> wanted_geodesics(const DifferentShapes& shapes, bool both_directions);
 
 }  // namespace morphodesic::pipeline

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "analysis/matrix_csv.h"
+#include "datasets/drawing.h"
 #include "program.h"
 
 namespace morphodesic::tests {
@@ -72,6 +73,33 @@ TEST(Study, BytesDoNotDependOnThreads) {
     ASSERT_FALSE(bytes.empty());
     EXPECT_EQ(read_file(folder / "8/distances.csv"), bytes);
     EXPECT_EQ(read_file(folder / "8/linkage.csv"), read_file(folder / "1/linkage.csv"));
+}
+
+TEST(Study, PathsStartFromTheSameShapeHoweverThePicturesAreTurned) {
+    const TemporaryFolder folder;
+    const auto turned = [](const std::string& name, std::vector<datasets::Loop> polygons, double angle) {
+        for (auto& polygon : polygons) {
+            for (auto& p : polygon) {
+                const double x = p[0] - 0.5, y = p[1] - 0.5;
+                p = {0.5 + std::cos(angle) * x - std::sin(angle) * y, 0.5 + std::sin(angle) * x + std::cos(angle) * y};
+            }
+        }
+        return datasets::Drawing{name, "", {}, std::move(polygons)};
+    };
+    const std::vector<datasets::Loop> corner{datasets::capsule_polygon({0.3, 0.3}, {0.7, 0.3}, 0.06),
+                                             datasets::capsule_polygon({0.3, 0.3}, {0.3, 0.65}, 0.06)};
+    const std::vector<datasets::Loop> bar{datasets::capsule_polygon({0.25, 0.5}, {0.75, 0.5}, 0.07)};
+    for (const char* normalize : {"common", "each"}) {
+        for (const double angle : {0.0, 0.7, 1.9, 3.1, 4.4}) {
+            const fs::path shapes = folder / (std::string(normalize) + std::to_string(angle));
+            datasets::write_collection(shapes, {turned("corner", corner, angle), turned("bar", bar, 2.0 * angle)}, 128);
+            const Outcome done = morphodesic(quick({"run", shapes.string(), "--normalize", normalize, "--quiet"}));
+            ASSERT_EQ(done.code, 0) << done.err;
+            const std::string pairs = read_file(shapes.string() + ".study/pairs.csv");
+            EXPECT_THAT(pairs, HasSubstr(",corner.png,")) << normalize << " " << angle;
+            EXPECT_THAT(pairs, testing::Not(HasSubstr(",bar.png,4"))) << normalize << " " << angle;
+        }
+    }
 }
 
 TEST(Study, OneMoreImageComputesOnlyItsPairs) {
