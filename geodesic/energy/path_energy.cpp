@@ -111,9 +111,9 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
     slab.sums = kernels::step_energy_rows<Dim, T>(slab.begin, slab.end, fields, weights, out);
 }
 
-/// Terms from the sums of the slabs; total is infinite where a deformation folds.
+/// Terms from the sums of the slabs; total is infinite where a deformation folds: where its det is below `least`.
 template <int Dim>
-PathTerms PathEnergy<Dim>::collect() const {
+PathTerms PathEnergy<Dim>::collect(double least) const {
     const int steps = layout_.time_steps;
     PathTerms terms;
     terms.deformation.assign(static_cast<std::size_t>(steps), 0.0);
@@ -129,7 +129,7 @@ PathTerms PathEnergy<Dim>::collect() const {
             if (!(slab.sums.min_det >= terms.step_min_det[k]))
                 terms.step_min_det[k] = slab.sums.min_det;  // keeps a NaN
         }
-        admissible = admissible && terms.step_min_det[k] >= least_det;
+        admissible = admissible && terms.step_min_det[k] >= least;
         terms.min_det = std::min(terms.min_det, terms.step_min_det[k]);
         terms.total += steps * terms.deformation[k] + eta_ * terms.mismatch[k];
     }
@@ -156,7 +156,7 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
             evaluate_slab<T>(task / coloured + 1, slabs_[k][s], colour == 1, fields, gradient, scatter[k][s]);
         });
     }
-    PathTerms terms = collect();
+    PathTerms terms = collect(std::is_same_v<T, float> ? least_det_single : least_det);
     if (!std::isfinite(terms.total)) return terms;
 
     if (!gradient.empty()) {

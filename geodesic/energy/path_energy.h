@@ -71,6 +71,9 @@ public:
 
     /// Deformations with a det D phi below this at a quadrature point or cell corner count as folded.
     static constexpr double least_det = 0.002;
+    /// The same in single precision, whose rounding (of displacements, times 1 / h) must not let pass what folds in
+    /// double precision.
+    static constexpr double least_det_single = 1.01 * least_det;
     /// Stiffness of squeezed cells (det < barrier_onset) at their corners, beside 1 inside and delta outside.
     static constexpr double barrier_weight = 0.1;
 
@@ -102,7 +105,7 @@ private:
     template <class T>
     void evaluate_slab(int k, Slab& slab, bool shares_rows, const Fields<T>& fields, std::span<T> gradient,
                        std::vector<T>& scatter);
-    PathTerms collect() const;
+    PathTerms collect(double least) const;
 
     PathLayout<Dim> layout_;
     GeodesicOptions options_;

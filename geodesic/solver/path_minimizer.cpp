@@ -21,7 +21,7 @@ namespace {
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
 constexpr int lessons = 2;           // full steps tried in an iteration: the history learns from those that fail
-constexpr int patience = 2;          // shorter steps tried before the history is given up
+constexpr int patience = 2;          // more steps tried, each shorter, before the history is given up
 constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
 constexpr double rounding = 1e-7;    // of energies in single precision, relative
@@ -49,7 +49,7 @@ template <int Dim>
 bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<double>& x) {
     bool folded = false;
     for (int k = 1; k <= layout.time_steps; ++k) {
-        if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det) continue;
+        if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det_single) continue;
         std::array<double*, Dim> w;
         for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
         repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det);
@@ -61,8 +61,7 @@ bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<d
 }  // namespace
 
 template <int Dim>
-MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options,
-                               const std::function<bool(const PathTerms&)>& proceed) {
+MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options) {
     MinimizerSummary summary;
     std::vector<double> next(x.size());
     std::vector<float> gradient(x.size()), next_gradient(x.size()), direction(x.size());
@@ -81,6 +80,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     };
     PathTerms terms = evaluate(x, gradient);
     summary.evaluations = 1;
+    if (!std::isfinite(terms.total) && repair<Dim>(energy.layout(), terms, x)) terms = evaluate(x, gradient);
     if (!std::isfinite(terms.total))
         throw std::invalid_argument(
             "the energy of the first guess is infinite: the weights are too far apart (lambda, mu, mismatch-weight, "
@@ -99,17 +99,13 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     const auto find_descent = [&] {
         const double slope = find_direction();
         if (slope < 0) return slope;
-        history.clear();  // it misleads: start again from the preconditioned gradient
+        history.clear();  // it misleads, or its direction was limited too much: from the preconditioned gradient again
         return find_direction();
     };
     std::deque<double> energies{terms.total};
     summary.termination = Termination::max_steps;
     int renewals = 0;
     while (summary.iterations < options.max_iterations) {
-        if (proceed && !proceed(terms)) {
-            summary.termination = Termination::cancelled;
-            break;
-        }
         if (summary.iterations % refresh == 0) preconditioner.update(energy, x);
         double slope = find_descent();
         if (!std::isfinite(slope)) {  // the energy cannot be told in single precision: no step may be made of it
@@ -125,7 +121,9 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         double t = 1.0;
         PathTerms next_terms;
         bool accepted = false;
-        const int shorter = history.empty() ? max_halvings : patience;
+        // Lessons fill the history and directions without descent clear it: what counts is where the iteration began.
+        const bool fresh = history.empty();
+        const int shorter = fresh ? max_halvings : patience;
         for (int trial = 0; trial < lessons + shorter && slope < 0; ++trial) {
             kernels::step(next, x, t, direction);
             next_terms = evaluate(next, next_gradient);
@@ -151,8 +149,8 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             }
         }
         if (!accepted) {
-            if (!history.empty()) {
-                history.clear();
+            history.clear();
+            if (!fresh) {
                 preconditioner.update(energy, x);
                 ++summary.iterations;
                 continue;
@@ -184,12 +182,14 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
         }
     }
     summary.terms = energy.evaluate(x, {});
+    if (!std::isfinite(summary.terms.total) && repair<Dim>(energy.layout(), summary.terms, x)) {
+        summary.terms = energy.evaluate(x, {});
+    }
+    if (!std::isfinite(summary.terms.total)) summary.termination = Termination::no_descent;
     return summary;
 }
 
-template MinimizerSummary minimize_path<2>(PathEnergy<2>&, std::vector<double>&, const MinimizerOptions&,
-                                           const std::function<bool(const PathTerms&)>&);
-template MinimizerSummary minimize_path<3>(PathEnergy<3>&, std::vector<double>&, const MinimizerOptions&,
-                                           const std::function<bool(const PathTerms&)>&);
+template MinimizerSummary minimize_path<2>(PathEnergy<2>&, std::vector<double>&, const MinimizerOptions&);
+template MinimizerSummary minimize_path<3>(PathEnergy<3>&, std::vector<double>&, const MinimizerOptions&);
 
 }  // namespace morphodesic

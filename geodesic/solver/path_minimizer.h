@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "geodesic/energy/path_energy.h"
@@ -22,11 +21,9 @@ struct MinimizerSummary {
 
 /// Minimises (14) over all deformations and all shapes between at once: L-BFGS whose initial Hessian is
 /// PathPreconditioner, Armijo line search. Steps to folded deformations are rejected.
-/// @param x        path, PathLayout order: start on entry, minimiser on return
-/// @param proceed  called once per iteration; returning false cancels; may be empty
-/// @throws std::invalid_argument if the start folds (infinite energy): repair it first
+/// @param x  path, PathLayout order: start on entry, minimiser on return
+/// @throws std::invalid_argument if the energy of the start is infinite, though its folds were repaired
 template <int Dim>
-MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options,
-                               const std::function<bool(const PathTerms&)>& proceed = {});
+MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, const MinimizerOptions& options);
 
 }  // namespace morphodesic

@@ -20,22 +20,5 @@ analysis::DistanceMatrix tied_matrix(std::size_t n, int largest, std::uint64_t s
 /// Item i of the result is item order[i] of the matrix, labels travel along.
 analysis::DistanceMatrix reordered(const analysis::DistanceMatrix& matrix, const std::vector<std::size_t>& order);
 std::vector<std::size_t> random_order(std::size_t n, std::uint64_t seed);
-/// Runs f on one and on eight threads and returns both results.
-template <class F>
-auto on_one_and_eight_threads(const F& f);
 
 }  // namespace morphodesic::tests
-
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
-
-#include <utility>
-
-template <class F>
-auto morphodesic::tests::on_one_and_eight_threads(const F& f) {
-    tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
-    tbb::task_arena one(1), eight(8);
-    auto a = one.execute(f);
-    auto b = eight.execute(f);
-    return std::pair(std::move(a), std::move(b));
-}

@@ -4,6 +4,7 @@
 
 #include "analysis/diagnostics.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

@@ -6,6 +6,7 @@
 #include "analysis/evaluation.h"
 #include "analysis/random.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

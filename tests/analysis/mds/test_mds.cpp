@@ -5,6 +5,7 @@
 #include "analysis/mds.h"
 #include "analysis/random.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

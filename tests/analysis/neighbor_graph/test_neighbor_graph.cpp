@@ -7,6 +7,7 @@
 #include "analysis/linkage.h"
 #include "analysis/neighbor_graph.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

@@ -7,6 +7,7 @@
 #include "analysis/random.h"
 #include "analysis/smacof.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

@@ -10,6 +10,7 @@
 #include "analysis/procrustes.h"
 #include "analysis/study.h"
 #include "tests/analysis/support.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::analysis {
 namespace {

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "geodesic/energy/stored_energy_density.h"
 #include "geodesic/grid/q1_element.h"
 #include "tests/support/path_problems.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic {
 namespace {
@@ -249,18 +249,40 @@ TYPED_TEST(PathEnergyIn, KernelsAgreeWithTheFormulasWhereCellsAreStretchedOrLeav
 TYPED_TEST(PathEnergyIn, BitsDoNotDependOnThreads) {
     constexpr int dim = TypeParam::value;
     tests::PathProblem<dim> problem(level_of(dim), 4, GeodesicOptions{});
-    std::vector<double> first(problem.x.size()), second(problem.x.size());
-    double one = 0.0, eight = 0.0;
-    {
-        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-        one = problem.energy.evaluate(problem.x, first).total;
-    }
-    {
-        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 8);
-        eight = problem.energy.evaluate(problem.x, second).total;
-    }
+    const auto [one, eight] = tests::on_one_and_eight_threads([&] {
+        std::vector<double> gradient(problem.x.size());
+        const double total = problem.energy.evaluate(problem.x, gradient).total;
+        return std::pair(total, gradient);
+    });
     EXPECT_EQ(one, eight);
-    EXPECT_EQ(first, second);
+}
+
+TYPED_TEST(PathEnergyIn, WhatSinglePrecisionLetsPassDoesNotFoldInDoublePrecision) {
+    // One step that squeezes the cube along the first axis, around the least det that is let pass.
+    constexpr int dim = TypeParam::value;
+    const int level = level_of(dim);
+    PathEnergy<dim> energy(tests::ball<dim>(level, 0.2), tests::ball<dim>(level, 0.2), 1, GeodesicOptions{});
+    const auto& layout = energy.layout();
+    std::vector<double> x(layout.size(), 0.0);
+    std::vector<float> gradient(layout.size());
+    const double h = layout.grid.spacing();
+    const int middle = layout.grid.cells(0) / 2;
+    int passed = 0, refused_in_single = 0;
+    for (int i = 0; i <= 60; ++i) {
+        const double det = energy.least_det * (0.97 + 0.001 * i);
+        for (std::size_t node = 0; node < layout.nodes(); ++node) {  // one column of cells, the others make room
+            const int at = layout.grid.node(node)[0];
+            const double share = at <= middle ? 1.0 * at / middle : 1.0 * (2 * middle - at) / (middle - 1);
+            x[layout.displacement(1, 0) + node] = (at <= middle ? 0.5 : -0.5) * (1 - det) * h * share;
+        }
+        const bool single = std::isfinite(energy.evaluate_single(x, gradient).total);
+        const bool twice = std::isfinite(energy.evaluate(x, {}).total);
+        EXPECT_TRUE(twice || !single) << det;
+        passed += single;
+        refused_in_single += twice && !single;
+    }
+    EXPECT_GT(passed, 0);
+    EXPECT_GT(refused_in_single, 0);
 }
 
 TYPED_TEST(PathEnergyIn, FoldedDeformationHasInfiniteEnergy) {
