@@ -12,6 +12,7 @@
 #include "geodesic/grid/transfer.h"
 #include "geodesic/solver/alignment.h"
 #include "geodesic/solver/cascade.h"
+#include "geodesic/solver/partial_alignment.h"
 #include "geodesic/solver/path_minimizer.h"
 #include "geodesic/solver/path_window.h"
 
@@ -27,6 +28,8 @@ constexpr int start_level = 4;
 constexpr int search_steps = 2, settled_steps = 4;
 // From so many time steps on, what one iteration gains shrinks with their number, and so must the tolerance.
 constexpr int many_steps = 8;
+// Up to so many, a path may leave a good part of the way to the mismatch.
+constexpr int few_steps = 2;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -56,6 +59,9 @@ Cut cut_before(int level, int starts) {
 /// Starts are cut into more steps up to this multiple of the least energy with one step (measured: the same paths).
 constexpr double one_step_margin = 1.3;
 
+/// Alignments that move more than this share of a shape out of the cube are not used.
+constexpr double most_lost = 0.002;
+
 struct Cancelled {};
 
 /// One start of the cascade: an alignment and a schedule, carried from level to level.
@@ -73,7 +79,12 @@ class Cascade {
 public:
     Cascade(const LevelSet<Dim>& a, const LevelSet<Dim>& b, const GeodesicOptions& options,
             const ScalarField<Dim>& mask, const GeodesicObserver& observer)
-        : a_(a), b_(b), options_(options), mask_(mask), observer_(observer) {}
+        : a_(a),
+          b_(b),
+          options_(options),
+          mask_(mask),
+          observer_(observer),
+          coarse_a_(restricted(a, std::min(options.level, last_search_level<Dim>))) {}
 
     GeodesicResult<Dim> run() {
         const auto begin = Clock::now();
@@ -141,6 +152,7 @@ private:
         if (!std::isfinite(summary.terms.total)) {  // across the faces of the window
             folds += repair_folds(path);
             summary.terms = energy.evaluate(path.x, {});
+            if (!std::isfinite(summary.terms.total)) summary.termination = Termination::no_descent;
         }
         return summary;
     }
@@ -192,6 +204,39 @@ private:
         solve(start, folds, wide_rim(), tolerance);
     }
 
+    /// Rigid motions of a from which the search starts. Where only a part of a is known, that part is aligned.
+    std::vector<RigidMotion<Dim>> alignments() const {
+        std::vector<RigidMotion<Dim>> motions;
+        if (mask_.values.empty() || options_.align == "none") {
+            for (const auto& found : align(a_, b_, options_.align, options_.starts)) motions.push_back(found.motion);
+        } else {
+            const int level = std::min(options_.level, last_search_level<Dim>);
+            PartialAlignmentOptions partial;
+            partial.rotate = options_.align == "rigid";
+            partial.count = options_.starts;
+            const PartialAligner<Dim> aligner(restricted(a_, level), restricted(mask_, level));
+            for (const auto& found : aligner.align(restricted(b_, level), partial)) {
+                motions.push_back(found.motion.motion);
+            }
+        }
+        std::erase_if(motions, [&](const auto& motion) { return leaves_cube(motion); });
+        if (motions.empty()) motions.push_back({});  // a fits as it stands
+        return motions;
+    }
+
+    /// Whether a motion would cut off a part of shape a at the faces of the cube.
+    [[nodiscard]] bool leaves_cube(const RigidMotion<Dim>& motion) const {
+        const auto& grid = coarse_a_.grid;
+        std::size_t inside = 0, lost = 0;
+        for (std::size_t i = 0; i < coarse_a_.values.size(); ++i) {
+            if (!(coarse_a_.values[i] > 0)) continue;
+            ++inside;
+            const auto x = motion(grid.position(grid.node(i)));
+            lost += std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; }) ? 1 : 0;
+        }
+        return static_cast<double>(lost) > most_lost * static_cast<double>(inside);
+    }
+
     /// The alignments, each solved on the start level with the time steps of the search.
     std::vector<Start<Dim>> coarse_starts() {
         const int level = std::min(start_level, options_.level);
@@ -200,12 +245,12 @@ private:
         std::vector<Start<Dim>> starts;
         double least = std::numeric_limits<double>::infinity();
         // One schedule is enough: with the wide rim, all time steps at once end in the same path (measured on letters).
-        for (const auto& candidate : align(a_, b_, options_.align, options_.starts)) {
-            const auto first = first_on(candidate.motion, level);
+        for (const auto& motion : alignments()) {
+            const auto first = first_on(motion, level);
             const auto last = restricted(b_, level);
             // K = 1, 2, 4, ...: the deformation of one step is cut again and again.
             Start<Dim> doubling;
-            doubling.motion = candidate.motion;
+            doubling.motion = motion;
             doubling.path = blended_path(first, last, 1);
             solve(doubling, 0, wide_rim(), tolerance);
             least = std::min(least, doubling.terms.total);
@@ -268,14 +313,19 @@ private:
         return wide;
     }
 
+    static DisplacementView<Dim> displacement_view(const PathState<Dim>& path, int k) {
+        DisplacementView<Dim> view;
+        for (int a = 0; a < Dim; ++a) {
+            view[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
+        }
+        return view;
+    }
+
     static double min_det_of(const PathState<Dim>& path) {
         double least = std::numeric_limits<double>::infinity();
         for (int k = 1; k <= path.layout.time_steps; ++k) {
-            DisplacementView<Dim> view;
-            for (int a = 0; a < Dim; ++a) {
-                view[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
-            }
-            least = std::min(least, det_lower_bound<Dim>(path.layout.grid, view));
+            const double bound = det_lower_bound<Dim>(path.layout.grid, displacement_view(path, k));
+            if (!(bound >= least)) least = bound;  // keeps a NaN
         }
         return least;
     }
@@ -318,7 +368,8 @@ private:
                 component.assign(from, from + static_cast<std::ptrdiff_t>(layout.nodes()));
                 view[static_cast<std::size_t>(a)] = component.data();
             }
-            result.min_det = std::min(result.min_det, det_lower_bound<Dim>(layout.grid, view));
+            const double bound = det_lower_bound<Dim>(layout.grid, view);
+            if (!(bound >= result.min_det)) result.min_det = bound;  // keeps a NaN
             result.deformations.push_back(std::move(phi));
             if (k == layout.time_steps) break;
             LevelSet<Dim> u(layout.grid);
@@ -327,28 +378,42 @@ private:
             result.shapes.push_back(std::move(u));
         }
         result.shapes.push_back(restricted(b_, layout.grid.level()));
-        if (!(result.min_det > 0) || !std::isfinite(result.total_energy)) {
+        if (!(result.min_det > 0)) {
             result.termination = Termination::no_descent;
             result.message = "a deformation could not be shown to be 1-1";
+        } else if (!std::isfinite(result.total_energy)) {
+            result.termination = Termination::no_descent;
+            result.message = "a deformation squeezes a cell to next to nothing, where its energy cannot be told";
         }
         if (!result.levels.empty()) result.levels.back().min_det = result.min_det;
     }
 
+    /// What more time steps would still change, as a share of the length. That error is first order in 1 / K (a step
+    /// has the energy of a finite strain), so as much is left as the last doubling of K changed.
+    [[nodiscard]] static double share_in_time(const std::vector<LevelReport>& levels) {
+        for (std::size_t i = 1; i < levels.size(); ++i) {
+            const LevelReport &before = levels[i - 1], &after = levels[i];
+            if (before.time_steps == after.time_steps || after.time_steps != levels.back().time_steps) continue;
+            return after.path_length > 0 ? std::abs(after.path_length - before.path_length) / after.path_length : 0.0;
+        }
+        return 0.0;
+    }
+
     /// The error is first order in the width of the rim (a step may drift by a share of it for little mismatch), so two
     /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). The bar is 1.75 times that
-    /// correction (on the closed forms the order is a little below one before the limit), half the change from the last
-    /// doubling of K, and what the tolerance leaves.
+    /// correction (on the closed forms the order is a little below one before the limit), what is left of the time
+    /// steps, and what the tolerance leaves.
+    ///
+    /// One or two long steps rather leave a good part d of the way to the mismatch, eta c d^2. Where the sum of both is
+    /// least, E = l (l + d), so d = E / l - l (too much where the mismatch saturates).
     void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
-        double in_time = 0.0;  // what the doubling to all time steps changed
-        for (std::size_t i = 1; i < result.levels.size(); ++i) {
-            const LevelReport &before = result.levels[i - 1], &after = result.levels[i];
-            if (after.time_steps != options_.time_steps || 2 * before.time_steps != after.time_steps) continue;
-            in_time = after.path_length - before.path_length;
-            break;
+        const double length = result.path_length;
+        const double rest = (length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
+        result.extrapolated_length = length + rest;
+        result.error = 1.75 * std::abs(rest) + (share_in_time(result.levels) + options_.tolerance) * length;
+        if (options_.time_steps <= few_steps && length > 0) {
+            result.error = std::max(result.error, result.total_energy / length - length);
         }
-        const double rest = (result.path_length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
-        result.extrapolated_length = result.path_length + rest;
-        result.error = 1.75 * std::abs(rest) + 0.5 * std::abs(in_time) + options_.tolerance * result.path_length;
     }
 
     const LevelSet<Dim>& a_;
@@ -356,6 +421,7 @@ private:
     const GeodesicOptions& options_;
     const ScalarField<Dim>& mask_;
     const GeodesicObserver& observer_;
+    const LevelSet<Dim> coarse_a_;
 };
 
 }  // namespace
@@ -371,9 +437,18 @@ GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const Leve
             throw std::invalid_argument(
                 "compute_discrete_geodesic: a shape is sampled on a coarser grid than the level");
         }
+        if (!std::all_of(u->values.begin(), u->values.end(), [](double v) { return std::isfinite(v); })) {
+            throw std::invalid_argument("compute_discrete_geodesic: a level set has values that are not finite");
+        }
         if (!std::any_of(u->values.begin(), u->values.end(), [](double v) { return v > 0; })) {
             throw std::invalid_argument("compute_discrete_geodesic: a shape is empty on its grid");
         }
+    }
+    if (!mask.values.empty() && mask.grid.level() < options.level) {
+        throw std::invalid_argument("compute_discrete_geodesic: the mask is sampled on a coarser grid than the level");
+    }
+    if (!std::all_of(mask.values.begin(), mask.values.end(), [](double v) { return v >= 0.0 && v <= 1.0; })) {
+        throw std::invalid_argument("compute_discrete_geodesic: the mask has values outside [0, 1]");
     }
     return Cascade<Dim>(a, b, options, mask, observer).run();
 }

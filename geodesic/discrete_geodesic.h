@@ -19,7 +19,7 @@ struct LevelReport {
     int evaluations = 0;
     double total_energy = 0.0;
     double path_length = 0.0;
-    double min_det = 0.0;    ///< certified lower bound of det D phi
+    double min_det = 0.0;    ///< least det D phi at quadrature points and corners; of the last level the certified bound
     int folds_repaired = 0;  ///< cells in which the prolonged deformation folded and was repaired
     Termination termination = Termination::converged;
     double seconds = 0.0;
@@ -35,7 +35,7 @@ struct GeodesicResult {
     double path_length = 0.0;          ///< sum_k sqrt(E_deform,k): the distance; unit length^(Dim/2)
     double path_energy = 0.0;          ///< K sum_k E_deform,k
     double total_energy = 0.0;         ///< E of (14)
-    double error = 0.0;                ///< error bar of path_length, from the last levels and time steps of the cascade
+    double error = 0.0;                ///< error bar of path_length, from two rims and two numbers of time steps
     double extrapolated_length = 0.0;  ///< path length extrapolated to h -> 0
     double min_det = 0.0;              ///< guaranteed lower bound of det D phi_k over all cells and steps; > 0: 1-1
     std::vector<double> deformation_energy;  ///< E_deform,k, k = 1..K
@@ -55,8 +55,9 @@ using GeodesicObserver = std::function<bool(const LevelReport&)>;
 /// Computes a discrete geodesic from shape a to shape b: minimises (14) coarse to fine in space and time.
 /// @param a, b   level sets (signed distances, > 0 inside) on grids of any level >= options.level
 /// @param mask   occlusion mask chi in [0,1] of the mismatch of step 1, in the frame of a (moved with a by the
-///               alignment); empty values: chi = 1
-/// @throws std::invalid_argument if options.problems() is not empty or a grid is too coarse or a shape is empty
+///               alignment, which looks at what is visible); empty values: chi = 1
+/// @throws std::invalid_argument if options.problems() is not empty, a grid is too coarse, a shape is empty or has values
+///                               that are not finite, or the mask hides its whole contour or leaves [0, 1]
 template <int Dim>
 GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const LevelSet<Dim>& b,
                                               const GeodesicOptions& options, const ScalarField<Dim>& mask = {},

@@ -45,14 +45,21 @@ bool VolumeConstraint<Dim>::correct(std::span<double> x) const {
     for (int k = 1; k < layout_.time_steps; ++k) {
         double* u = x.data() + layout_.level_set(k);
         const double target = target_[static_cast<std::size_t>(k)], h = layout_.grid.spacing();
-        double shift = 0.0;
-        for (int iteration = 0; iteration < 50; ++iteration) {
+        if (!(enclosed_volume(layout_.grid, u) > 0.0)) return false;  // vanished: there is no contour to shift
+        // Newton; where no node is near the contour of a steep level set, the middle of what encloses the shift.
+        const auto [least, most] = std::minmax_element(u, u + layout_.nodes());
+        double low = -*most - h, high = h - *least, shift = 0.0;
+        bool found = false;
+        for (int iteration = 0; iteration < 100 && !found; ++iteration) {
             double derivative = 0.0;
             const double error = ramp_volume(layout_.grid, u, shift, &derivative) - target;
-            if (std::abs(error) <= 1e-10 * target) break;
-            if (derivative <= 0.0) return false;
-            shift -= std::clamp(error / derivative, -h, h);
+            found = std::abs(error) <= 1e-10 * target;
+            if (found) break;
+            (error > 0.0 ? high : low) = shift;
+            shift = derivative > 0.0 ? shift - std::clamp(error / derivative, -h, h) : low;
+            if (!(shift > low && shift < high)) shift = 0.5 * (low + high);
         }
+        if (!found) return false;
         for (std::size_t i = 0; i < layout_.nodes(); ++i) u[i] += shift;
     }
     return true;

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "geodesic/discrete_geodesic.h"
 #include "geodesic/solver/volume_constraint.h"
 #include "tests/support/path_problems.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic {
 namespace {
@@ -58,6 +58,26 @@ TEST(DiscreteGeodesic, BallsConvergeToTheClosedForm) {
     EXPECT_LT(errors[1], 0.75 * errors[0]);
 }
 
+TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
+    for (const auto& [r0, r1] : {std::pair(0.2, 0.25), {0.15, 0.3}, {0.1, 0.2}, {0.1, 0.3}}) {
+        for (const int steps : {1, 2, 4}) {
+            for (const bool grows : {true, false}) {
+                const auto r = compute_discrete_geodesic<2>(tests::ball<2>(6, grows ? r0 : r1),
+                                                            tests::ball<2>(6, grows ? r1 : r0), options_for(6, steps));
+                ASSERT_EQ(r.termination, Termination::converged);
+                EXPECT_LE(std::abs(r.path_length - disk_length(r0, r1)), r.error) << r0 << " " << r1 << " K " << steps;
+                EXPECT_LT(r.error, (steps == 1 ? 1.3 : 0.6) * r.path_length) << "a bar that says nothing";
+            }
+        }
+    }
+    for (const int steps : {1, 2}) {
+        const auto r =
+            compute_discrete_geodesic<3>(tests::ball<3>(5, 0.12), tests::ball<3>(5, 0.24), options_for(5, steps));
+        ASSERT_EQ(r.termination, Termination::converged);
+        EXPECT_LE(std::abs(r.path_length - ball_length(0.12, 0.24)), r.error) << steps;
+    }
+}
+
 template <int Dim>
 std::pair<LevelSet<Dim>, LevelSet<Dim>> two_boxes(int level) {
     Point<Dim> wide, tall, centre;
@@ -105,16 +125,14 @@ TYPED_TEST(DiscreteGeodesicIn, BitsDoNotDependOnThreads) {
     const auto boxes = two_boxes<dim>(level);
     auto options = options_for(level, 2);
     options.align = "rigid";
-    const auto solve = [&](std::size_t threads) {
-        oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-        return compute_discrete_geodesic<dim>(boxes.first, boxes.second, options);
-    };
-    const auto one = solve(1), eight = solve(8);
+    const auto [one, eight] = tests::on_one_and_eight_threads(
+        [&] { return compute_discrete_geodesic<dim>(boxes.first, boxes.second, options); });
     EXPECT_EQ(one.path_length, eight.path_length);
     EXPECT_EQ(one.total_energy, eight.total_energy);
     EXPECT_EQ(one.error, eight.error);
     for (std::size_t k = 0; k < one.deformations.size(); ++k) {
-        EXPECT_EQ(one.deformations[k].displacement.components[0], eight.deformations[k].displacement.components[0]);
+        EXPECT_EQ(one.deformations[k].displacement.components, eight.deformations[k].displacement.components);
+        EXPECT_EQ(one.shapes[k].values, eight.shapes[k].values);
     }
 }
 
@@ -130,6 +148,45 @@ TEST(DiscreteGeodesic, MovedCopyIsNear) {
     EXPECT_LT(copy.path_length, 0.02 * typical);
     const auto shifted = compute_discrete_geodesic<2>(moved(a, motion, 7), b, options);
     EXPECT_NEAR(shifted.path_length, typical, 0.01 * typical);
+}
+
+TEST(DiscreteGeodesic, NoAlignmentCutsOffAPartOfAShape) {
+    // A bar along the diagonal that is longer than the cube: turned to the other bar its ends would stick out.
+    const auto a = tests::turned_box<2>(6, {0.6, 0.08}, {0.5, 0.5}, 0.25 * std::numbers::pi);
+    const auto b = tests::turned_box<2>(6, {0.4, 0.08}, {0.5, 0.5}, 0.0);
+    auto options = options_for(5, 2);
+    options.align = "rigid";
+    options.starts = 4;
+    const auto r = compute_discrete_geodesic<2>(a, b, options);
+    ASSERT_EQ(r.termination, Termination::converged) << r.message;
+    const double whole = enclosed_volume(a.grid, a.values.data());
+    EXPECT_NEAR(enclosed_volume(r.shapes.front().grid, r.shapes.front().values.data()), whole, 0.01 * whole);
+}
+
+TEST(DiscreteGeodesic, WhatIsVisibleIsAligned) {
+    // A bar with a head, its right half hidden: what is left lies on the whole shape exactly.
+    const auto bar = tests::turned_box<2>(6, {0.3, 0.06}, {0.5, 0.5}, 0.0);
+    LevelSet<2> whole = tests::ball<2>(6, 0.13, {0.25, 0.5}), part = whole;
+    ScalarField<2> mask(whole.grid, 1.0);
+    for (std::size_t i = 0; i < whole.values.size(); ++i) {
+        const double x = whole.grid.position(whole.grid.node(i))[0];
+        whole.values[i] = std::max(whole.values[i], bar.values[i]);
+        part.values[i] = std::min(whole.values[i], 0.5 - x);
+        if (x > 0.5) mask.values[i] = 0.0;
+    }
+    std::vector<double> lengths;
+    for (const char* align : {"none", "translation", "rigid"}) {
+        auto options = options_for(6, 2);
+        options.align = align;
+        options.starts = 8;
+        const auto r = compute_discrete_geodesic<2>(part, whole, options, mask);
+        ASSERT_EQ(r.termination, Termination::converged) << r.message;
+        EXPECT_LT(std::hypot(r.motion.translation[0], r.motion.translation[1]), 0.004) << align;
+        EXPECT_GT(r.motion.rotation[0], std::cos(0.02)) << align;
+        lengths.push_back(r.path_length);
+    }
+    EXPECT_LT(lengths[1], 1.05 * lengths[0]);
+    EXPECT_LT(lengths[2], 1.05 * lengths[0]);
 }
 
 TEST(DiscreteGeodesic, LengthIsNearlySymmetric) {
@@ -199,6 +256,18 @@ TEST(DiscreteGeodesic, BadInputIsRefused) {
     EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(5, 2)), std::invalid_argument);
     EXPECT_THROW(compute_discrete_geodesic<2>(u, LevelSet<2>(u.grid, -1.0), options_for(4, 2)), std::invalid_argument);
     EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 3)), std::invalid_argument);
+    for (const double value : {std::nan(""), HUGE_VAL}) {
+        auto broken = u;
+        broken.values.front() = value;
+        EXPECT_THROW(compute_discrete_geodesic<2>(broken, u, options_for(4, 2)), std::invalid_argument);
+        EXPECT_THROW(compute_discrete_geodesic<2>(u, broken, options_for(4, 2)), std::invalid_argument);
+    }
+    for (const double value : {-0.5, 1.5, std::nan("")}) {
+        const ScalarField<2> mask(u.grid, value);
+        EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 2), mask), std::invalid_argument);
+    }
+    EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 2), ScalarField<2>(DyadicGrid<2>(3), 1.0)),
+                 std::invalid_argument);
 }
 
 }  // namespace
