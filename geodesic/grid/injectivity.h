@@ -29,7 +29,7 @@ template <int Dim>
 int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold = 0.05);
 
 /// Shortens a change of the displacement locally, so that no cell is squeezed at once to less than `keep` of what it
-/// is: at the nodes of each such cell the change is halved, until there is none left.
+/// is: at the nodes of each such cell the change is halved, until there is none left or twelve times.
 /// @return number of cells that were in the way
 template <int Dim>
 int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,

@@ -10,7 +10,7 @@ namespace morphodesic {
 struct GeodesicOptions {
     int level = 6;                           ///< L, 3 <= L <= 10: grid with 2^L + 1 nodes per axis
     int time_steps = 8;                      ///< K >= 1, a power of two: the path has K + 1 shapes
-    double mismatch_weight_per_step = 25.0;  ///< eta = 25 K, > 0 (method.md, 4)
+    double mismatch_weight_per_step = 25.0;  ///< eta = 25 K, > 0: with a fixed eta lengths do not converge in K
     double mismatch_weight = 0.0;            ///< fixed eta in (14), the paper's literal choice; 0: eta grows with K
     double lambda = 3.0;                     ///< Lame parameter lambda >= 0 of the dissipation (1)
     double mu = 1.0;                         ///< Lame parameter mu > 0
