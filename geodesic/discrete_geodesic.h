@@ -19,7 +19,7 @@ struct LevelReport {
     int evaluations = 0;
     double total_energy = 0.0;
     double path_length = 0.0;
-    double min_det = 0.0;    ///< least det D phi at quadrature points and corners; of the last level the certified bound
+    double min_det = 0.0;    ///< least det D phi at points and corners of cells; of the last level the certified bound
     int folds_repaired = 0;  ///< cells in which the prolonged deformation folded and was repaired
     Termination termination = Termination::converged;
     double seconds = 0.0;
@@ -56,8 +56,8 @@ using GeodesicObserver = std::function<bool(const LevelReport&)>;
 /// @param a, b   level sets (signed distances, > 0 inside) on grids of any level >= options.level
 /// @param mask   occlusion mask chi in [0,1] of the mismatch of step 1, in the frame of a (moved with a by the
 ///               alignment, which looks at what is visible); empty values: chi = 1
-/// @throws std::invalid_argument if options.problems() is not empty, a grid is too coarse, a shape is empty or has values
-///                               that are not finite, or the mask hides its whole contour or leaves [0, 1]
+/// @throws std::invalid_argument if options.problems() is not empty, a grid is too coarse, a shape is empty or not
+///                               finite, or the mask hides its whole contour or leaves [0, 1]
 template <int Dim>
 GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const LevelSet<Dim>& b,
                                               const GeodesicOptions& options, const ScalarField<Dim>& mask = {},
