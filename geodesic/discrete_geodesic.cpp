@@ -30,6 +30,8 @@ constexpr int search_steps = 2, settled_steps = 4;
 constexpr int many_steps = 8;
 // Up to so many, a path may leave a good part of the way to the mismatch.
 constexpr int few_steps = 2;
+// Of what that would be with one step; with two, the doubling tells the rest (disks and balls, ratios up to 3).
+constexpr double share_left_by_two = 0.7;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -412,7 +414,8 @@ private:
         result.extrapolated_length = length + rest;
         result.error = 1.75 * std::abs(rest) + (share_in_time(result.levels) + options_.tolerance) * length;
         if (options_.time_steps <= few_steps && length > 0) {
-            result.error = std::max(result.error, result.total_energy / length - length);
+            const double share = options_.time_steps == 1 ? 1.0 : share_left_by_two;
+            result.error = std::max(result.error, share * (result.total_energy / length - length));
         }
     }
 
