@@ -15,6 +15,7 @@
 #include "geodesic/solver/partial_alignment.h"
 #include "geodesic/solver/path_minimizer.h"
 #include "geodesic/solver/path_window.h"
+#include "geodesic/solver/volume_constraint.h"
 
 namespace morphodesic {
 
@@ -30,8 +31,6 @@ constexpr int search_steps = 2, settled_steps = 4;
 constexpr int many_steps = 8;
 // Up to so many, a path may leave a good part of the way to the mismatch.
 constexpr int few_steps = 2;
-// Of what that would be with one step; with two, the doubling tells the rest (disks and balls, ratios up to 3).
-constexpr double share_left_by_two = 0.7;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -357,8 +356,6 @@ private:
         result.mismatch_energy = best.terms.mismatch;
         result.motion = best.motion;
         result.levels = best.levels;
-        error_bar(result, wide_length);
-
         result.min_det = std::numeric_limits<double>::infinity();
         result.shapes.push_back(first_on(best.motion, layout.grid.level()));
         for (int k = 1; k <= layout.time_steps; ++k) {
@@ -380,6 +377,7 @@ private:
             result.shapes.push_back(std::move(u));
         }
         result.shapes.push_back(restricted(b_, layout.grid.level()));
+        error_bar(result, wide_length);
         if (!(result.min_det > 0)) {
             result.termination = Termination::no_descent;
             result.message = "a deformation could not be shown to be 1-1";
@@ -407,16 +405,18 @@ private:
     /// steps, and what the tolerance leaves.
     ///
     /// One or two long steps rather leave a good part d of the way to the mismatch, eta c d^2. Where the sum of both is
-    /// least, E = l (l + d), so d = E / l - l (too much where the mismatch saturates).
+    /// least, E = l (l + d), so d = E / l - l (too much where the mismatch saturates). With two steps that is so where
+    /// shapes grow, whose material of before has to fill what is new; elsewhere the doubling tells.
     void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
         const double length = result.path_length;
         const double rest = (length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
         result.extrapolated_length = length + rest;
         result.error = 1.75 * std::abs(rest) + (share_in_time(result.levels) + options_.tolerance) * length;
-        if (options_.time_steps <= few_steps && length > 0) {
-            const double share = options_.time_steps == 1 ? 1.0 : share_left_by_two;
-            result.error = std::max(result.error, share * (result.total_energy / length - length));
-        }
+        if (options_.time_steps > few_steps || !(length > 0)) return;
+        const auto volume = [](const LevelSet<Dim>& u) { return enclosed_volume(u.grid, u.values.data()); };
+        const double grown = 1.0 - volume(result.shapes.front()) / volume(result.shapes.back());
+        const double share = options_.time_steps == 1 ? 1.0 : std::max(0.0, grown);
+        result.error = std::max(result.error, share * (result.total_energy / length - length));
     }
 
     const LevelSet<Dim>& a_;
