@@ -96,7 +96,7 @@ public:
         try {
             best = search();
             wide_length = finish(best);
-            certify(best);
+            result.min_det = certify(best);
         } catch (const Cancelled&) {
             result.termination = Termination::cancelled;
             result.message = "the solve was cancelled";
@@ -333,12 +333,16 @@ private:
 
     /// The minimiser looks at quadrature points and cell corners only. Where the certificate for whole cells fails
     /// nevertheless (3D), the cells are repaired and the path is minimised on from there.
-    void certify(Start<Dim>& best) {
+    /// @return the certificate: a bound of det D phi, not positive if that did not help
+    double certify(Start<Dim>& best) {
         constexpr int rounds = 3;
-        for (int round = 0; round < rounds && min_det_of(best.path) <= 0; ++round) {
+        double bound = min_det_of(best.path);
+        for (int round = 0; round < rounds && bound <= 0; ++round) {
             const int folds = repair_folds(best.path, 4 * PathEnergy<Dim>::least_det);
             solve(best, folds, options_.rim_width, options_.tolerance);
+            bound = min_det_of(best.path);
         }
+        return bound;
     }
 
     void fill(GeodesicResult<Dim>& result, Start<Dim>& best, double wide_length) const {
@@ -356,19 +360,14 @@ private:
         result.mismatch_energy = best.terms.mismatch;
         result.motion = best.motion;
         result.levels = best.levels;
-        result.min_det = std::numeric_limits<double>::infinity();
         result.shapes.push_back(first_on(best.motion, layout.grid.level()));
         for (int k = 1; k <= layout.time_steps; ++k) {
             Deformation<Dim> phi(layout.grid);
-            DisplacementView<Dim> view;
             for (int a = 0; a < Dim; ++a) {
                 const auto from = best.path.x.begin() + static_cast<std::ptrdiff_t>(layout.displacement(k, a));
-                auto& component = phi.displacement.components[static_cast<std::size_t>(a)];
-                component.assign(from, from + static_cast<std::ptrdiff_t>(layout.nodes()));
-                view[static_cast<std::size_t>(a)] = component.data();
+                phi.displacement.components[static_cast<std::size_t>(a)].assign(
+                    from, from + static_cast<std::ptrdiff_t>(layout.nodes()));
             }
-            const double bound = det_lower_bound<Dim>(layout.grid, view);
-            if (!(bound >= result.min_det)) result.min_det = bound;  // keeps a NaN
             result.deformations.push_back(std::move(phi));
             if (k == layout.time_steps) break;
             LevelSet<Dim> u(layout.grid);

@@ -27,7 +27,7 @@ struct ShardPlan {
     int dimension = 2;
     RunSettings settings;      ///< of the study
     GeodesicOptions geodesic;  ///< those of this round: coarser ones while a study screens its pairs
-    std::vector<std::pair<const std::string, ShapeTraits>> shapes;  ///< by content digest; sorted
+    std::vector<DifferentShapes::value_type> shapes;  ///< by content digest; sorted
     std::vector<Tile> tiles;
 
     /// All geodesics of a tile, whether they are to be computed or not, in the order of Tile::missing.

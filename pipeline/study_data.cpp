@@ -50,7 +50,7 @@ StudyData load_study(const ResultStore& store) {
                 data.distances.set(i, j, 0.0, 0.0);
                 continue;
             }
-            const auto keys = geodesics_of_pair(*rounds.shapes.find(a), *rounds.shapes.find(b), both);
+            const auto keys = geodesics_of_pair({a, rounds.shapes.at(a)}, {b, rounds.shapes.at(b)}, both);
             const std::size_t p = data.index(i, j);
             data.first_is_a[p] = keys.front().first == a;
             std::size_t level = finest;

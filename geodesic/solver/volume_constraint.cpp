@@ -45,12 +45,12 @@ bool VolumeConstraint<Dim>::correct(std::span<double> x) const {
     for (int k = 1; k < layout_.time_steps; ++k) {
         double* u = x.data() + layout_.level_set(k);
         const double target = target_[static_cast<std::size_t>(k)], h = layout_.grid.spacing();
-        if (!(enclosed_volume(layout_.grid, u) > 0.0)) return false;  // vanished: there is no contour to shift
-        // Newton; where no node is near the contour of a steep level set, the middle of what encloses the shift.
         const auto [least, most] = std::minmax_element(u, u + layout_.nodes());
+        if (!(*most > -h)) return false;  // vanished: there is no contour to shift
+        // Newton; where no node is near the contour of a steep level set, the middle of what encloses the shift.
         double low = -*most - h, high = h - *least, shift = 0.0;
         bool found = false;
-        for (int iteration = 0; iteration < 100 && !found; ++iteration) {
+        for (int iteration = 0; iteration < 100; ++iteration) {
             double derivative = 0.0;
             const double error = ramp_volume(layout_.grid, u, shift, &derivative) - target;
             found = std::abs(error) <= 1e-10 * target;

@@ -106,8 +106,8 @@ std::pair<std::vector<double>, double> reversed_pairs(Report& report, const Geod
 
 /// Changes by rigid motions, as shares of the typical distance.
 struct MotionChanges {
-    double first = 0.0,
-           second = 0.0;     ///< of d(A, B), when A (which is aligned) or B (which stays on its grid) is moved
+    double first = 0.0;      ///< of d(A, B), when A is moved, which is aligned
+    double second = 0.0;     ///< of d(A, B), when B is moved, which stays on its grid
     double to_itself = 0.0;  ///< d(moved A, A)
 };
 

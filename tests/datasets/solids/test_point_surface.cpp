@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "datasets/read_error.h"
 #include "datasets/solidify.h"
 #include "tests/datasets/solids/solid_files.h"
+#include "tests/support/thread_counts.h"
 
 namespace morphodesic::datasets {
 namespace {
@@ -68,11 +68,8 @@ TEST(PointSurface, KnowsNoiseThatIsWiderThanThePointsAreApart) {
 
 TEST(PointSurface, SameBitsOnEightThreads) {
     const std::vector<Vector3> points = sphere_points(4000, 0.0, 0.3);
-    const auto made = [&](std::size_t threads) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return surface_through(points).mesh.triangles;
-    };
-    EXPECT_EQ(made(1), made(8));
+    const auto [one, eight] = tests::on_one_and_eight_threads([&] { return surface_through(points).mesh.triangles; });
+    EXPECT_EQ(one, eight);
 }
 
 TEST(PointSurface, FewPointsHaveNone) {
