@@ -126,15 +126,15 @@ TEST(SyntheticSolids, BadScanStaysNearItsTwin) {
     NormalizeOptions placed;
     placed.level = 5;
     placed.scale = common_scale(radii);
+    std::vector<LevelSet<3>> shapes;
+    for (const auto& shape : raw) shapes.push_back(normalize(shape, placed).level_set);
     GeodesicOptions solver;
     solver.level = 5;
     solver.time_steps = 2;
     solver.tolerance = 1e-2;
     solver.starts = 1;
     const auto distance = [&](int a, int b) {
-        return compute_discrete_geodesic<3>(normalize(raw[a], placed).level_set, normalize(raw[b], placed).level_set,
-                                            solver)
-            .path_length;
+        return compute_discrete_geodesic<3>(shapes[a], shapes[b], solver).path_length;
     };
     std::vector<double> between;
     for (int i = 0; i < 5; ++i) {
