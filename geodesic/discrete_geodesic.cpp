@@ -11,6 +11,7 @@
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/transfer.h"
 #include "geodesic/solver/alignment.h"
+#include "geodesic/solver/canonical_frame.h"
 #include "geodesic/solver/cascade.h"
 #include "geodesic/solver/partial_alignment.h"
 #include "geodesic/solver/path_minimizer.h"
@@ -452,7 +453,15 @@ GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const Leve
     if (!std::all_of(mask.values.begin(), mask.values.end(), [](double v) { return v >= 0.0 && v <= 1.0; })) {
         throw std::invalid_argument("compute_discrete_geodesic: the mask has values outside [0, 1]");
     }
-    return Cascade<Dim>(a, b, options, mask, observer).run();
+    // What is hidden often ends where a shape was cut: off the nodes both edges would part by a share of a cell.
+    const bool posed = options.align == "rigid" && mask.values.empty();
+    const auto frame = posed ? canonical_frame(b) : RigidMotion<Dim>{};
+    if (frame.is_identity()) return Cascade<Dim>(a, b, options, mask, observer).run();
+    const LevelSet<Dim> turned = moved(b, frame, b.grid.level());
+    auto result = Cascade<Dim>(a, turned, options, mask, observer).run();
+    result.frame = frame;
+    result.motion = frame.inverse().after(result.motion);
+    return result;
 }
 
 template GeodesicResult<2> compute_discrete_geodesic<2>(const LevelSet<2>&, const LevelSet<2>&, const GeodesicOptions&,

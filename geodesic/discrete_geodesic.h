@@ -43,9 +43,13 @@ struct GeodesicResult {
     std::vector<LevelReport> levels;         ///< the cascade, coarse to fine
     double seconds = 0.0;
 
-    /// Motion that was applied to the first shape before the solve (alignment).
+    /// Motion of the first shape onto the second one before the solve (alignment).
     RigidMotion<Dim> motion;
-    std::vector<LevelSet<Dim>> shapes;           ///< u_0 .. u_K on the finest level; u_0 is the aligned first shape
+    /// Motion of both shapes after that: the path is computed where it no longer depends on how the second shape is
+    /// turned and where it lies (canonical_frame). The identity unless shapes are aligned rigidly and nothing is
+    /// hidden; in_pose_of_last takes it back.
+    RigidMotion<Dim> frame;
+    std::vector<LevelSet<Dim>> shapes;  ///< u_0 .. u_K on the finest level; u_K is the second shape, in the frame
     std::vector<Deformation<Dim>> deformations;  ///< phi_1 .. phi_K
 };
 

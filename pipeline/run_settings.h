@@ -84,6 +84,6 @@ struct Preset {
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
 /// different solvers never share a matrix.
-inline constexpr int solver_revision = 13;
+inline constexpr int solver_revision = 14;
 
 }  // namespace morphodesic::pipeline

@@ -35,6 +35,20 @@ struct RigidMotion {
         }
         return m;
     }
+    [[nodiscard]] bool is_identity() const { return rotation == identity() && translation == Point<Dim>{}; }
+    /// x -> this(first(x)).
+    [[nodiscard]] RigidMotion after(const RigidMotion& first) const {
+        RigidMotion m;
+        m.translation = translation;
+        for (int a = 0; a < Dim; ++a) {
+            for (int b = 0; b < Dim; ++b) {
+                double& entry = m.rotation[a * Dim + b] = 0.0;
+                for (int c = 0; c < Dim; ++c) entry += rotation[a * Dim + c] * first.rotation[c * Dim + b];
+                m.translation[a] += rotation[a * Dim + b] * first.translation[b];
+            }
+        }
+        return m;
+    }
 };
 
 /// The shape moved by a rigid motion, u o motion^-1, sampled on a grid of the given level with cubic interpolation.

@@ -107,7 +107,7 @@ std::pair<std::vector<double>, double> reversed_pairs(Report& report, const Geod
 /// Changes by rigid motions, as shares of the typical distance.
 struct MotionChanges {
     double first = 0.0;      ///< of d(A, B), when A is moved, which is aligned
-    double second = 0.0;     ///< of d(A, B), when B is moved, which stays on its grid
+    double second = 0.0;     ///< of d(A, B), when B is moved, which is brought to a pose of its own
     double to_itself = 0.0;  ///< d(moved A, A)
 };
 
@@ -223,7 +223,7 @@ Figure figure_accuracy(const FigureOptions& options) {
     report.check("first letter moved, of the typical distance", changes.first, most,
                  "rigid motions should not be seen; it is aligned");
     report.check("second letter moved, of the typical distance", changes.second, most,
-                 "the same; it stays on its grid, whose directions change cracks and which of several paths is found");
+                 "the same; it is brought to a pose of its own, where the grid sees it as before");
     report.check("moved letter to itself, of the typical distance", changes.to_itself, most, "the distance is 0");
     return figure;
 }

@@ -115,7 +115,7 @@ TYPED_TEST(DiscreteGeodesicIn, ResultIsConsistentAndOneToOne) {
     EXPECT_LE(r.path_length * r.path_length, r.path_energy * (1 + 1e-12));
     EXPECT_GT(r.min_det, 0.0);
     EXPECT_GT(r.error, 0.0);
-    EXPECT_EQ(r.shapes.back().values, b.values);
+    EXPECT_EQ(r.shapes.back().values, moved(b, r.frame, level).values);
     EXPECT_EQ(r.levels.back().level, level);
 }
 
@@ -148,6 +148,12 @@ TEST(DiscreteGeodesic, MovedCopyIsNear) {
     EXPECT_LT(copy.path_length, 0.02 * typical);
     const auto shifted = compute_discrete_geodesic<2>(moved(a, motion, 7), b, options);
     EXPECT_NEAR(shifted.path_length, typical, 0.01 * typical);
+    // The second shape is brought to a pose of its own, so the grid does not see how it was turned either.
+    for (const double angle : {0.3, 0.8, 1.9}) {
+        motion.rotation = {std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)};
+        const double other = compute_discrete_geodesic<2>(a, moved(b, motion, 7), options).path_length;
+        EXPECT_NEAR(other, typical, 0.002 * typical) << angle;
+    }
 }
 
 TEST(DiscreteGeodesic, NoAlignmentCutsOffAPartOfAShape) {

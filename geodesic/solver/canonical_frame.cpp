@@ -1,0 +1,93 @@
+#include "geodesic/solver/canonical_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geodesic/grid/contour.h"
+#include "geodesic/grid/node_loop.h"
+#include "geodesic/grid/q1_element.h"
+
+namespace morphodesic {
+
+namespace {
+
+/// Contours whose fourth harmonic is a smaller share of their length have no direction. (A disk on a grid of level 6
+/// has less than a thousandth.)
+constexpr double least_harmonic = 0.01;
+
+/// u' = R u at x' = R (x - c) + c: displacements turn with the points they belong to.
+template <int Dim>
+Deformation<Dim> turned(const Deformation<Dim>& phi, const RigidMotion<Dim>& motion) {
+    const auto& grid = phi.displacement.grid;
+    Deformation<Dim> result(grid);
+    const auto back = motion.inverse();
+    std::array<const double*, Dim> fields;
+    for (std::size_t a = 0; a < Dim; ++a) fields[a] = phi.displacement.components[a].data();
+    for_nodes(grid, [&](std::size_t i) {
+        if (grid.on_boundary(grid.node(i))) return;
+        const auto x = back(grid.position(grid.node(i)));
+        if (std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; })) return;
+        const auto w = q1::values<Dim, Dim>(grid, fields, x);
+        for (std::size_t a = 0; a < Dim; ++a) {
+            for (std::size_t b = 0; b < Dim; ++b) {
+                result.displacement.components[a][i] += motion.rotation[a * Dim + b] * w[b];
+            }
+        }
+    });
+    return result;
+}
+
+}  // namespace
+
+template <>
+RigidMotion<2> canonical_frame<2>(const LevelSet<2>& u) {
+    double cosine = 0.0, sine = 0.0, length = 0.0, area = 0.0;
+    Point<2> moment{};  // area times centroid, seen from the middle of the square
+    const auto loops = contour(u);
+    for (const ContourLoop& loop : loops) {
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const auto &p = loop[i], &q = loop[(i + 1) % loop.size()];
+            const double dx = q[0] - p[0], dy = q[1] - p[1], edge = std::hypot(dx, dy);
+            const double angle = std::atan2(dy, dx);
+            cosine += edge * std::cos(4 * angle);
+            sine += edge * std::sin(4 * angle);
+            length += edge;
+            const double triangle = 0.5 * ((p[0] - 0.5) * (q[1] - 0.5) - (p[1] - 0.5) * (q[0] - 0.5));
+            area += triangle;
+            for (std::size_t a = 0; a < 2; ++a) moment[a] += triangle * (p[a] + q[a] - 1.0) / 3.0;
+        }
+    }
+    if (!(area > 0 && std::hypot(cosine, sine) > least_harmonic * length)) return {};
+    const double turn = -0.25 * std::atan2(sine, cosine);
+    RigidMotion<2> motion;
+    motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+    const auto centroid = motion({0.5 + moment[0] / area, 0.5 + moment[1] / area});
+    for (std::size_t a = 0; a < 2; ++a) motion.translation[a] = 0.5 - centroid[a];
+    for (const ContourLoop& loop : loops) {
+        for (const auto& p : loop) {
+            const auto x = motion(p);
+            if (std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; })) return {};
+        }
+    }
+    return motion;
+}
+
+template <>
+RigidMotion<3> canonical_frame<3>(const LevelSet<3>&) {
+    return {};
+}
+
+template <int Dim>
+GeodesicResult<Dim> in_pose_of_last(GeodesicResult<Dim> path) {
+    if (path.frame.is_identity()) return path;
+    const auto back = path.frame.inverse();
+    for (auto& u : path.shapes) u = moved(u, back, u.grid.level());
+    for (auto& phi : path.deformations) phi = turned(phi, back);
+    path.frame = {};
+    return path;
+}
+
+template GeodesicResult<2> in_pose_of_last<2>(GeodesicResult<2>);
+template GeodesicResult<3> in_pose_of_last<3>(GeodesicResult<3>);
+
+}  // namespace morphodesic
