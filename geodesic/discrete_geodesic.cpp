@@ -233,8 +233,7 @@ private:
         for (std::size_t i = 0; i < coarse_a_.values.size(); ++i) {
             if (!(coarse_a_.values[i] > 0)) continue;
             ++inside;
-            const auto x = motion(grid.position(grid.node(i)));
-            lost += std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; }) ? 1 : 0;
+            lost += in_unit_cube(motion(grid.position(grid.node(i)))) ? 0 : 1;
         }
         return static_cast<double>(lost) > most_lost * static_cast<double>(inside);
     }

@@ -88,9 +88,7 @@ LevelSet<Dim> cut_off(const LevelSet<Dim>& whole, const ScalarField<Dim>& mask) 
 
 template <int Dim>
 bool is_unmoved(const Similarity<Dim>& s) {
-    const Similarity<Dim> identity;
-    return s.scale == 1.0 && s.motion.rotation == identity.motion.rotation &&
-           s.motion.translation == identity.motion.translation;
+    return s.scale == 1.0 && s.motion.is_identity();
 }
 
 }  // namespace

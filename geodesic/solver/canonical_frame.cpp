@@ -15,7 +15,7 @@ namespace {
 /// 1/5 on a grid of level 6 has a thousandth; small ones on coarse grids are turned at random, which does not matter.)
 constexpr double least_harmonic = 0.01;
 
-/// u' = R u at x' = R (x - c) + c: displacements turn with the points they belong to.
+/// Displacements turn with the points they belong to.
 template <int Dim>
 Deformation<Dim> turned(const Deformation<Dim>& phi, const RigidMotion<Dim>& motion) {
     const auto& grid = phi.displacement.grid;
@@ -26,7 +26,7 @@ Deformation<Dim> turned(const Deformation<Dim>& phi, const RigidMotion<Dim>& mot
     for_nodes(grid, [&](std::size_t i) {
         if (grid.on_boundary(grid.node(i))) return;
         const auto x = back(grid.position(grid.node(i)));
-        if (std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; })) return;
+        if (!in_unit_cube(x)) return;
         const auto w = q1::values<Dim, Dim>(grid, fields, x);
         for (std::size_t a = 0; a < Dim; ++a) {
             for (std::size_t b = 0; b < Dim; ++b) {
@@ -58,16 +58,11 @@ RigidMotion<2> canonical_frame<2>(const LevelSet<2>& u) {
         }
     }
     if (!(area > 0 && std::hypot(cosine, sine) > least_harmonic * length)) return {};
-    const double turn = -0.25 * std::atan2(sine, cosine);
-    RigidMotion<2> motion;
-    motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+    auto motion = turn_by(-0.25 * std::atan2(sine, cosine));
     const auto centroid = motion({0.5 + moment[0] / area, 0.5 + moment[1] / area});
     for (std::size_t a = 0; a < 2; ++a) motion.translation[a] = 0.5 - centroid[a];
     for (const ContourLoop& loop : loops) {
-        for (const auto& p : loop) {
-            const auto x = motion(p);
-            if (std::any_of(x.begin(), x.end(), [](double c) { return c < 0.0 || c > 1.0; })) return {};
-        }
+        if (!std::all_of(loop.begin(), loop.end(), [&](const auto& p) { return in_unit_cube(motion(p)); })) return {};
     }
     return motion;
 }

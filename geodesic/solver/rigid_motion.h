@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 
 #include "geodesic/grid/fields.h"
 
@@ -50,6 +53,17 @@ struct RigidMotion {
         return m;
     }
 };
+
+/// Turn by an angle, counter-clockwise, about the middle of the square.
+inline RigidMotion<2> turn_by(double angle) {
+    return {{std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)}, {}};
+}
+
+/// Whether a point lies in the cube; motions may take it out.
+template <std::size_t Dim>
+bool in_unit_cube(const std::array<double, Dim>& x) {
+    return std::all_of(x.begin(), x.end(), [](double c) { return c >= 0.0 && c <= 1.0; });
+}
 
 /// The shape moved by a rigid motion, u o motion^-1, sampled on a grid of the given level with cubic interpolation.
 /// Beyond the cube u is continued as a distance.

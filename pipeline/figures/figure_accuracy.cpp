@@ -123,8 +123,7 @@ MotionChanges moved_shapes(Report& report, const GeodesicOptions& o, double typi
     };
     for (int i = 0; i < motions; ++i) {
         const double angle = 0.4 + 1.7 * i;
-        RigidMotion<2> motion;
-        motion.rotation = {std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)};
+        auto motion = turn_by(angle);
         motion.translation = {0.031 - 0.02 * i, -0.023 + 0.017 * i};
         const auto turned_a = moved(a, motion, a.grid.level()), turned_b = moved(b, motion, b.grid.level());
         const std::string turned = " turned by " + rounded(angle, 2);

@@ -134,8 +134,7 @@ Figure figure_two_geodesics(const FigureOptions& options) {
     const int shape_grid = a.grid.level();
     for (const double turn : {0.0, -0.3}) {
         for (const double shift : {0.0, -0.04, -0.08, -0.12, -0.16, -0.20, 0.10}) {
-            RigidMotion<2> motion;
-            motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+            auto motion = turn_by(turn);
             motion.translation = {0.0, shift};
             found.push_back({compute_discrete_geodesic<2>(moved(a, motion, shape_grid), b, scout), shift, turn});
         }
@@ -163,9 +162,7 @@ Figure figure_two_geodesics(const FigureOptions& options) {
     figure.files.push_back({"two-geodesics-starts.csv", starts.csv()});
     std::vector<GeodesicResult<2>> paths;
     for (const std::size_t i : {std::size_t{0}, other}) {
-        RigidMotion<2> motion;
-        const double turn = found[i].turn;
-        motion.rotation = {std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn)};
+        auto motion = turn_by(found[i].turn);
         motion.translation = {0.0, found[i].shift};
         paths.push_back(compute_discrete_geodesic<2>(moved(a, motion, shape_grid), b, settings));
     }

@@ -140,8 +140,7 @@ TEST(DiscreteGeodesic, MovedCopyIsNear) {
     const auto [a, b] = two_boxes<2>(7);
     auto options = options_for(6, 2);
     options.align = "rigid";
-    RigidMotion<2> motion;
-    motion.rotation = {std::cos(0.8), -std::sin(0.8), std::sin(0.8), std::cos(0.8)};
+    auto motion = turn_by(0.8);
     motion.translation = {0.02, -0.03};
     const double typical = compute_discrete_geodesic<2>(a, b, options).path_length;
     const auto copy = compute_discrete_geodesic<2>(moved(a, motion, 7), a, options);
@@ -150,7 +149,7 @@ TEST(DiscreteGeodesic, MovedCopyIsNear) {
     EXPECT_NEAR(shifted.path_length, typical, 0.01 * typical);
     // The second shape is brought to a pose of its own, so the grid does not see how it was turned either.
     for (const double angle : {0.3, 0.8, 1.9}) {
-        motion.rotation = {std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)};
+        motion.rotation = turn_by(angle).rotation;
         const double other = compute_discrete_geodesic<2>(a, moved(b, motion, 7), options).path_length;
         EXPECT_NEAR(other, typical, 0.002 * typical) << angle;
     }

@@ -5,18 +5,11 @@
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/q1_element.h"
-#include "geodesic/grid/transfer.h"
 #include "geodesic/solver/canonical_frame.h"
 #include "tests/support/path_problems.h"
 
 namespace morphodesic {
 namespace {
-
-RigidMotion<2> turn_by(double angle) {
-    RigidMotion<2> motion;
-    motion.rotation = {std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)};
-    return motion;
-}
 
 double angle_of(const RigidMotion<2>& motion) {
     return std::atan2(motion.rotation[2], motion.rotation[0]);

@@ -31,8 +31,7 @@ LevelSet<2> sampled(int level, const Value& value) {
 /// The L seen from another place: x = T(y) lies in the frame of the whole shape.
 Similarity<2> other_place(double degrees, double scale) {
     Similarity<2> t;
-    const double a = degrees * M_PI / 180;
-    t.motion.rotation = {std::cos(a), -std::sin(a), std::sin(a), std::cos(a)};
+    t.motion = turn_by(degrees * M_PI / 180);
     t.motion.translation = {0.05, -0.04};
     t.scale = scale;
     return t;
