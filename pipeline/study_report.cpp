@@ -117,7 +117,9 @@ void add_shapes(const StudyData& data, const an::AnalysisResult& all, reports::R
     for (std::size_t i = 0; i < all.kept.size(); ++i) {
         for (std::size_t j = i + 1; j < all.kept.size(); ++j) {
             model.distances.push_back(data.distances(all.kept[i], all.kept[j]));
-            model.errors.push_back(data.distances.error(all.kept[i], all.kept[j]));
+            if (data.distances.has_errors()) {
+                model.errors.push_back(data.distances.error(all.kept[i], all.kept[j]));
+            }
             if (data.pairs_coarse > 0) {
                 model.refined.push_back(data.refined(data.index(all.kept[i], all.kept[j])) ? 1 : 0);
             }

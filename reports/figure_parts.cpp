@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 
@@ -13,18 +12,34 @@ namespace {
 
 constexpr const char* missing = "#9aa1ab";
 
-}  // namespace
-
-std::string fixed_number(double value) {
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, value < 0.1 ? "%.4f" : "%.3f", value);
-    return buffer;
+bool starts_letter(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
 }
+
+bool has_legend(const FigureStudy& s) {
+    return s.group_names.size() >= 2 && s.group_names.size() <= 40;
+}
+
+/// Places of the entries of the legend, from its first row and column on.
+std::vector<std::pair<double, double>> legend_places(const FigureStudy& s, double width) {
+    std::vector<std::pair<double, double>> places;
+    double x = 0, y = 0;
+    for (const std::string& name : s.group_names) {
+        const double room = 26 + 6.5 * static_cast<double>(std::count_if(name.begin(), name.end(), starts_letter));
+        if (x + room > width && x > 0) x = 0, y += 18;
+        places.emplace_back(x, y);
+        x += room;
+    }
+    return places;
+}
+
+}  // namespace
 
 FigureStudy::FigureStudy(const ReportModel& model) : m(model), n(model.shapes.size()) {
     for (const double d : m.distances) {
         if (std::isfinite(d)) top = std::max(top, d);
     }
+    pictured = std::any_of(m.shapes.begin(), m.shapes.end(), [](const auto& s) { return !s.thumbnail.bytes.empty(); });
     std::map<std::string, int> numbers;
     for (const auto& s : m.shapes) numbers[s.label];
     const bool by_class = numbers.size() > 1 && numbers.size() < n;
@@ -57,9 +72,9 @@ std::string FigureStudy::short_name(std::size_t i) const {
         valid_utf8(name.substr(start, dot != std::string::npos && dot > start ? dot - start : std::string::npos));
     std::size_t letters = 0, end = 0;
     for (; end < result.size() && letters < 22; ++end) {
-        if ((static_cast<unsigned char>(result[end]) & 0xC0U) != 0x80U) ++letters;
+        if (starts_letter(result[end])) ++letters;
     }
-    while (end < result.size() && (static_cast<unsigned char>(result[end]) & 0xC0U) == 0x80U) ++end;
+    while (end < result.size() && !starts_letter(result[end])) ++end;
     return end < result.size() ? result.substr(0, end) + "…" : result;
 }
 
@@ -71,18 +86,18 @@ std::vector<std::size_t> FigureStudy::order() const {
     return result;
 }
 
-double draw_legend(Svg& svg, const FigureStudy& s, double x, double y, double width) {
-    if (s.group_names.size() < 2 || s.group_names.size() > 40) return 0.0;
-    const double begin = y;
-    double at = x;
-    for (std::size_t k = 0; k < s.group_names.size(); ++k) {
-        const double room = 26 + 6.5 * static_cast<double>(s.group_names[k].size());
-        if (at + room > x + width && at > x) at = x, y += 18;
-        svg.circle(at + 5, y, 5, group_colour(static_cast<int>(k), static_cast<int>(s.group_names.size())));
-        svg.text(at + 14, y, s.group_names[k]);
-        at += room;
+double legend_height(const FigureStudy& s, double width) {
+    return has_legend(s) ? legend_places(s, width).back().second + 18 : 0.0;
+}
+
+void draw_legend(Svg& svg, const FigureStudy& s, double x, double y, double width) {
+    if (!has_legend(s)) return;
+    const auto places = legend_places(s, width);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const double left = x + places[k].first, middle = y + places[k].second;
+        svg.circle(left + 5, middle, 5, group_colour(static_cast<int>(k), static_cast<int>(places.size())));
+        svg.text(left + 14, middle, s.group_names[k]);
     }
-    return y - begin + 18;
 }
 
 void draw_tree(Svg& svg, const LinkageTree& tree, double cell, double height) {
@@ -120,6 +135,11 @@ void draw_colour_bar(Svg& svg, double x, double y, double width, double top, con
 void draw_matrix(Svg& svg, const FigureStudy& s, const std::vector<std::size_t>& order, double cell, double side,
                  bool numbers) {
     const double size = cell * static_cast<double>(s.n), top = s.top > 0 ? s.top : 1;
+    std::size_t longest = 1;  // number in a cell
+    for (std::size_t k = 0; numbers && k < s.m.distances.size(); ++k) {
+        if (std::isfinite(s.m.distances[k])) longest = std::max(longest, short_number(s.m.distances[k]).size());
+    }
+    const double letters = std::min({13.0, cell / 3.6, cell / (0.58 * static_cast<double>(longest))});
     std::vector<std::string> colours;
     for (const std::size_t i : order) {
         for (const std::size_t j : order) {
@@ -136,8 +156,8 @@ void draw_matrix(Svg& svg, const FigureStudy& s, const std::vector<std::size_t>&
             const double d = s.distance(order[r], order[c]), x = static_cast<double>(c) * cell;
             svg.rect(x, at, cell, cell, colours[r * s.n + c], colours[r * s.n + c]);
             if (numbers && std::isfinite(d)) {
-                svg.text(x + cell / 2, at + cell / 2, r == c ? "0" : fixed_number(d), std::min(13.0, cell / 3.6),
-                         "middle", d > 0.6 * top ? "#111111" : "#ffffff");
+                svg.text(x + cell / 2, at + cell / 2, r == c ? "0" : short_number(d), letters, "middle",
+                         d > 0.6 * top ? "#111111" : "#ffffff");
             }
         }
         svg.rect(-7, at, 5, cell, s.colour(order[r]));

@@ -12,8 +12,6 @@ namespace morphodesic::reports {
 
 inline constexpr const char* ink = "#1b2430";
 
-[[nodiscard]] std::string fixed_number(double value);
-
 /// What the figures ask of a model.
 class FigureStudy {
 public:
@@ -32,12 +30,15 @@ public:
     const ReportModel& m;
     std::size_t n;
     double top = 0;          ///< the largest distance
+    bool pictured = false;   ///< any shape has a picture
     std::vector<int> group;  ///< class of each shape if classes are known, else cluster
     std::vector<std::string> group_names;
 };
 
-/// @return height that the rows of the legend take
-double draw_legend(Svg& svg, const FigureStudy& s, double x, double y, double width);
+/// Height of the rows of the legend within so much width; 0 if there is none.
+[[nodiscard]] double legend_height(const FigureStudy& s, double width);
+/// @param y  middle of the first row
+void draw_legend(Svg& svg, const FigureStudy& s, double x, double y, double width);
 /// Brackets of a tree: leaves at x = (k + 1/2) cell, heights upwards from y = height to 0.
 void draw_tree(Svg& svg, const LinkageTree& tree, double cell, double height);
 void draw_colour_bar(Svg& svg, double x, double y, double width, double top, const std::string& title);

@@ -14,10 +14,12 @@ namespace {
 
 Figure heat_map(const FigureStudy& s) {
     const double cell = std::clamp(760.0 / static_cast<double>(s.n), 1.0, 64.0), size = cell * static_cast<double>(s.n);
-    const double side = cell >= 10 ? std::min(cell - 2, 56.0) : 0, left = 20 + side + (cell >= 9 ? 130 : 50);
+    const double side = s.pictured && cell >= 10 ? std::min(cell - 2, 56.0) : 0,
+                 left = 20 + side + (cell >= 9 ? 130 : 50);
     const bool tree = !s.m.linkages.empty() && !s.m.linkages[0].merges.empty();
     const double top = 16 + (tree ? 110 : 0) + side + 12;
-    Svg svg(left + size + 20, top + size + 90);
+    const double width = left + size + 20, below = top + size + 72;
+    Svg svg(width, below + legend_height(s, width - 40) + 18);
     if (tree) {
         svg.open_group(left, 16);
         draw_tree(svg, s.m.linkages[0], cell, 100);
@@ -28,15 +30,16 @@ Figure heat_map(const FigureStudy& s) {
     draw_colour_bar(svg, 0, size + 18, std::min(260.0, std::max(120.0, size)), s.top > 0 ? s.top : 1,
                     s.distance_title());
     svg.close_group();
-    draw_legend(svg, s, left, top + size + 72, size);
+    draw_legend(svg, s, 20, below, width - 40);
     return {"heat_map", "Distance matrix", svg.document("Distance matrix of " + s.m.study)};
 }
 
 Figure dendrogram(const FigureStudy& s, const LinkageTree& tree, const std::string& name, const std::string& title) {
     const double cell = std::clamp(900.0 / static_cast<double>(s.n), 1.5, 70.0), size = cell * static_cast<double>(s.n);
-    const double side = cell >= 10 ? std::min(cell - 2, 60.0) : 0;
+    const double side = s.pictured && cell >= 10 ? std::min(cell - 2, 60.0) : 0;
     const bool named = cell >= 9;
-    Svg svg(size + 90, 240 + side + (named ? 130 : 10) + 40);
+    const double below = 240 + side + (named ? 140 : 10);
+    Svg svg(size + 90, below + legend_height(s, size) + 12);
     svg.open_group(64, 16);
     draw_tree(svg, tree, cell, 200);
     for (std::size_t k = 0; k < s.n; ++k) {
@@ -47,7 +50,7 @@ Figure dendrogram(const FigureStudy& s, const LinkageTree& tree, const std::stri
         if (named) svg.vertical_text(x, 216 + side, s.short_name(i), std::min(11.0, cell - 1), "end");
     }
     svg.close_group();
-    draw_legend(svg, s, 64, 240 + side + (named ? 140 : 10), size);
+    draw_legend(svg, s, 64, below, size);
     return {name, title, svg.document(title + " of " + s.m.study)};
 }
 
@@ -105,7 +108,9 @@ Figure precision_recall(const FigureStudy& s) {
     draw_axes(svg, across, up, "recall", "precision");
     for (std::size_t t = 0; t < s.m.classes.size(); ++t) {
         Points points;
-        for (const auto& p : s.m.classes[t].precision_recall) points.emplace_back(across(p.recall), up(p.precision));
+        for (const auto& p : s.m.classes[t].precision_recall) {
+            if (std::isfinite(p.precision)) points.emplace_back(across(p.recall), up(p.precision));
+        }
         const std::string colour = group_colour(static_cast<int>(t), 10);
         svg.polyline(points, colour, 2);
         svg.line(0, 428 + 16 * static_cast<double>(t), 18, 428 + 16 * static_cast<double>(t), colour, 2);
@@ -182,8 +187,10 @@ std::vector<Figure> figures(const ReportModel& model) {
         result.push_back(graph_figure(s, *e));
         if (s.n <= 12) result.push_back(page_figure(s, *e));
     }
-    if (std::any_of(model.classes.begin(), model.classes.end(),
-                    [](const auto& c) { return !c.precision_recall.empty(); })) {
+    if (std::any_of(model.classes.begin(), model.classes.end(), [](const auto& c) {
+            return std::any_of(c.precision_recall.begin(), c.precision_recall.end(),
+                               [](const auto& p) { return std::isfinite(p.precision); });
+        })) {
         result.push_back(precision_recall(s));
     }
     if (model.volumes && !model.volumes->tree.merges.empty()) {

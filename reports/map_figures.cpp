@@ -142,32 +142,39 @@ void draw_graph(Svg& svg, const FigureStudy& s, const Layout& l, const std::vect
     }
     for (const auto i : l.drawn) {
         const int k = static_cast<int>(i);
-        if (picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty()) {
+        const bool pictured = picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty();
+        if (pictured) {
             svg.circle(x(k), y(k), 0.62 * picture, "#ffffff", s.colour(i), 1.6);
             svg.image(x(k) - picture / 2, y(k) - picture / 2, picture, picture, s.m.shapes[i].thumbnail.bytes);
         } else {
             svg.circle(x(k), y(k), 4.5, s.colour(i), "#ffffff", 0.8);
         }
-        if (labelled) svg.text(x(k), y(k) + 0.62 * picture + 9, s.short_name(i), 10, "middle", ink, false, "#ffffff");
+        if (labelled) {
+            svg.text(x(k), y(k) + (pictured ? 0.62 * picture : 4.5) + 9, s.short_name(i), 10, "middle", ink, false,
+                     "#ffffff");
+        }
     }
     if (!labelled) return;
     std::vector<Edge> numbered;
     std::copy_if(edges.begin(), edges.end(), std::back_inserter(numbered), visible);
     const auto places = label_places(numbered, l, picture);
     for (std::size_t k = 0; k < numbered.size(); ++k) {
-        svg.text(places[k].first, places[k].second, fixed_number(numbered[k].length), 11, "middle", ink, true,
+        svg.text(places[k].first, places[k].second, short_number(numbered[k].length), 11, "middle", ink, true,
                  "#ffffff");
     }
 }
 
-double picture_size(std::size_t n) {
-    return n > 400 ? 0 : std::clamp(230.0 / std::sqrt(static_cast<double>(n)), 14.0, 64.0);
+constexpr double least_picture = 44;  // dots keep as far apart as these: there are names below them
+
+/// 0 for dots.
+double picture_size(const FigureStudy& s) {
+    return !s.pictured || s.n > 400 ? 0 : std::clamp(230.0 / std::sqrt(static_cast<double>(s.n)), 14.0, 64.0);
 }
 
 }  // namespace
 
 Figure embedding_figure(const FigureStudy& s, const Embedding& e) {
-    const double picture = picture_size(s.n);
+    const double picture = picture_size(s);
     Embedding all = e;  // the shapes, then the queries placed among them
     std::vector<std::string> queries;
     const auto map = static_cast<std::size_t>(&e - s.m.embeddings.data());
@@ -178,7 +185,7 @@ Figure embedding_figure(const FigureStudy& s, const Embedding& e) {
     }
     auto l = layout(all, s.n + queries.size(), 760, 640, picture + 14);
     std::erase_if(l.drawn, [&](std::size_t i) { return i >= s.n; });
-    Svg svg(850, l.height + 100);
+    Svg svg(850, l.height + 82 + legend_height(s, 760));
     svg.open_group(64, 14);
     if (e.dimension == 2) draw_axes(svg, l.across, l.up, "unit of the distances", "");
     draw_graph(svg, s, l, s.m.spanning_tree, picture, false);
@@ -196,13 +203,13 @@ Figure embedding_figure(const FigureStudy& s, const Embedding& e) {
 
 Figure graph_figure(const FigureStudy& s, const Embedding& e) {
     const bool labelled = s.n <= 40;
-    const double picture = picture_size(s.n);
+    const double picture = picture_size(s);
     auto l = layout(e, s.n, 900, 760, picture + 24);
     for (int round = 0; labelled && round < 4; ++round) {  // pushing needs room, making room moves closer
-        push_apart(l, 1.9 * picture);
+        push_apart(l, 1.9 * std::max(picture, least_picture));
         fit(l, 900, 760, picture + 24);
     }
-    Svg svg(920, l.height + 50);
+    Svg svg(920, l.height + 34 + legend_height(s, 880));
     svg.open_group(10, 10);
     const std::vector<Edge>& all = s.m.neighbour_graph.empty() ? s.m.spanning_tree : s.m.neighbour_graph;
     draw_graph(svg, s, l, labelled ? few_edges(s) : all, picture, labelled);
@@ -212,20 +219,22 @@ Figure graph_figure(const FigureStudy& s, const Embedding& e) {
 }
 
 Figure page_figure(const FigureStudy& s, const Embedding& e) {
-    const double cell = 430.0 / static_cast<double>(s.n), side = std::min(cell - 2, 56.0);
-    Svg svg(1123, 794);
+    const double cell = 430.0 / static_cast<double>(s.n), side = s.pictured ? std::min(cell - 2, 56.0) : 0,
+                 picture = s.pictured ? 62 : 0;
+    Svg svg(1123, 776 + std::max(18.0, legend_height(s, 1040)));
     svg.text(40, 44, s.m.study, 22, "start", ink, true);
     svg.text(40, 72,
-             std::to_string(s.n) + " shapes, " + std::to_string(s.m.pairs_done) + " geodesics" +
+             std::to_string(s.n) + " shapes, " + std::to_string(s.m.pairs_done) +
+                 (s.m.given_matrix ? " distances" : " geodesics") +
                  (s.m.distance_unit.empty() ? "" : "; distances are path lengths, unit: " + s.m.distance_unit),
              12);
     auto l = layout(e, s.n, 500, 600, 70);
     for (int round = 0; round < 4; ++round) {
-        push_apart(l, 1.9 * 62);
+        push_apart(l, 1.9 * std::max(picture, least_picture));
         fit(l, 500, 600, 70);
     }
     svg.open_group(30, 110 + std::max(0.0, (560 - l.height) / 2));
-    draw_graph(svg, s, l, few_edges(s), 62, true);
+    draw_graph(svg, s, l, few_edges(s), picture, true);
     svg.close_group();
     svg.open_group(640, 150 + side);
     draw_matrix(svg, s, s.order(), cell, side, true);

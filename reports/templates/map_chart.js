@@ -129,7 +129,7 @@ function embeddingSpec(embedding, edges, size, options) {
     const picture = options.picture, margin = picture / 2 + 14, width = size;
     let perUnit = (width - 2 * margin) / (2 * reach[0] || 1);
     for (let round = 0; options.labels && round < 4; ++round) {  // pushing needs room, making room moves closer
-        pushApart(shapes, 1.9 * picture / perUnit);
+        pushApart(shapes, 1.9 * Math.max(picture, 44) / perUnit);  // dots have names below them, too
         shapes.forEach(p => {
             reach = [Math.max(reach[0], Math.abs(p.x)), Math.max(reach[1], Math.abs(p.y))];
         });
@@ -233,7 +233,7 @@ function embeddingSpec(embedding, edges, size, options) {
         data: [
             {name: 'shapes', values: shapes, transform: seen}, {name: 'queries', values: queries, transform: seen}, {
                 name: 'edges',
-                values: drawn.map((e, k) => ({a: e.a, b: e.b, length: e.length, t: along[k]})),
+                values: drawn.map((e, k) => ({a: e.a, b: e.b, text: num(e.length), t: along[k]})),
                 transform: [{type: 'lookup', from: 'shapes', key: 'i', fields: ['a', 'b'], as: ['A', 'B']}]
             }
         ],
@@ -296,9 +296,7 @@ function embeddingSpec(embedding, edges, size, options) {
                                         update: {
                                             x: {signal: '(1 - datum.t) * scale(\'x\', datum.A.px) + datum.t * scale(\'x\', datum.B.px)'},
                                             y: {signal: '(1 - datum.t) * scale(\'y\', datum.A.py) + datum.t * scale(\'y\', datum.B.py)'},
-                                            text: {
-                                                signal: 'format(datum.length, datum.length < 0.1 ? \'.4f\' : \'.3f\')'
-                                            },
+                                            text: {field: 'text'},
                                             align: {value: 'center'},
                                             baseline: {value: 'middle'},
                                             fontSize: {value: 12},

@@ -85,11 +85,16 @@ function heatMapSpec(order, tree, room, numbers) {
     for (let k = 0; k < 3; ++k) {  // pictures as wide as a cell; their column takes room from the cells
         const left = Math.max(tree ? 62 : 0, side + band + 5 + (named ? 118 : 0));
         cell = Math.min(72, (room - left - 20) / count);
-        side = cell >= 12 ? Math.min(cell, 64) : 0;
+        side = hasPictures && cell >= 12 ? Math.min(cell, 64) : 0;
     }
     const size = cell * count, gap = side + band + 5, top = largest(data.distances);
     const cells = [];
-    if (numbers && cell >= 30) order.forEach((i, r) => order.forEach((j, c) => cells.push({r, c, d: distance(i, j)})));
+    if (numbers && cell >= 30)
+        order.forEach((i, r) => order.forEach((j, c) => {
+            const d = distance(i, j);
+            cells.push({r, c, d, text: known(d) ? num(d) : ''});
+        }));
+    const letters = Math.max(1, ...cells.map(c => c.text.length));
     const plates = fixedRect(-band - 3 - side, -band - 3 - side, size + side + band + 3, side, 'var(--plate)');
     const plateColumn = fixedRect(-band - 3 - side, 0, side, size, 'var(--plate)');
     const pictures = vertical => ({
@@ -221,8 +226,8 @@ function heatMapSpec(order, tree, room, numbers) {
                         y: {signal: `(datum.r + 0.5) * ${cell}`},
                         align: {value: 'center'},
                         baseline: {value: 'middle'},
-                        fontSize: {value: Math.min(14, cell / 3.4)},
-                        text: {signal: 'datum.d === null ? \'\' : datum.d === 0 ? \'0\' : format(datum.d, \'.3f\')'},
+                        fontSize: {value: Math.min(14, cell / 3.4, cell / (0.58 * letters))},
+                        text: {field: 'text'},
                         fill: {signal: `datum.d > ${0.6 * top} ? '#111' : '#fff'`}
                     }
                 }

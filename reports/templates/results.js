@@ -8,7 +8,7 @@ function classSection() {
     };
     const curve = chartBox('pr-chart'),
           points =
-              data.classes.flatMap(c => c.precision_recall.map(p => ({x: p.recall, y: p.precision, name: c.name})));
+              data.classes.flatMap(c => c.precision_recall.filter(p => known(p.precision)).map(p => ({x: p.recall, y: p.precision, name: c.name})));
     if (points.length)
         redraws.push(
             () => draw(
@@ -17,7 +17,7 @@ function classSection() {
     const rows = [
         ['nearest neighbour (1-NN)', c => percent(c.nearest_neighbour)],
         ...ks.map(k => [`${k} nearest neighbours`, c => find(c, k)]),
-        ['bull\'s-eye', c => percent(c.bulls_eye) + (c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : ' (first 2 m, m the size of the class)')],
+        ['bull\'s-eye', c => percent(c.bulls_eye) + (!known(c.bulls_eye) ? '' : c.bulls_eye_window ? ` (first ${c.bulls_eye_window})` : ' (first 2 m, m the size of the class)')],
         ['mean average precision', c => num(c.mean_average_precision)],
         ['adjusted Rand index of the clusters', c => num(c.adjusted_rand)],
         ['adjusted mutual information', c => num(c.adjusted_mutual_information)],
@@ -39,7 +39,7 @@ function classSection() {
                                'Precision and recall', ['ranking', '#recall', '#precision'],
                                points.map(p => [p.name, num(p.x), num(p.y)]))) :
                         null,
-        data.classes.map(c => c.confusion.length ? confusionTable(c) : null),
+        data.classes.map(c => counted && c.confusion.length ? confusionTable(c) : null),
         data.classes[0].class_medoids.length ?
             el('div', {}, el('h3', {}, 'The shape that stands for each class'),
                el('ul', {class: 'gallery'},
@@ -78,10 +78,11 @@ function trustSection() {
     else if (t.triangles_checked)
         verdicts.push(
             `${t.triangles_violated} of ${plural(t.triangles_checked, 'triangle')} ${
-                t.triangles_violated === 1 ? 'violates' : 'violate'} the triangle inequality; ` +
-            (t.triangles_beyond_error       ? `${t.triangles_beyond_error} of them by more than the error bars explain.` :
-                 t.triangles_violated === 1 ? 'its error bars explain it.' :
-                                              'the error bars explain all of them.'));
+                t.triangles_violated === 1 ? 'violates' : 'violate'} the triangle inequality` +
+            (!hasErrors                     ? '.' :
+                 t.triangles_beyond_error   ? `; ${t.triangles_beyond_error} of them by more than the error bars explain.` :
+                 t.triangles_violated === 1 ? '; its error bars explain it.' :
+                                              '; the error bars explain all of them.'));
     if (known(t.median_asymmetry))
         verdicts.push(`Forward and backward paths differ by ${percent(t.median_asymmetry)} in the median and ${
             percent(t.max_asymmetry)} at most.`);

@@ -191,7 +191,8 @@ function matrixSection() {
         el('p', {class: 'hint'},
            'Dark is near. Grey cells have no trustworthy distance. The strips along the sides show: ', strips, '.' +
                (coph.length ? ` Cophenetic correlation: ${coph.join(', ')}.` : '') +
-               (data.pictures_at_one_scale ? '' : ' The small pictures are not at one scale: each shape fills its own.')),
+               (data.pictures_at_one_scale || !hasPictures ? '' :
+                                                             ' The small pictures are not at one scale: each shape fills its own.')),
         data.clusterings.map((_, k) => clusterTable(k)));
 }
 
@@ -252,7 +253,7 @@ function embeddingSection() {
     const edges =
         el('select', {id: 'embedding-edges', change: redraw},
            graphs.map(([v, t], k) => el('option', {value: v, selected: k === 1 && count <= 150}, t)));
-    const pictures = el('input', {type: 'checkbox', id: 'embedding-pictures', checked: count <= 300, change: redraw});
+    const pictures = el('input', {type: 'checkbox', id: 'embedding-pictures', checked: hasPictures && count <= 300, change: redraw});
     let sized = false;
     const size = el('input', {
         type: 'range',
@@ -270,7 +271,7 @@ function embeddingSection() {
         min: -3.1,
         max: 3.1,
         step: 0.05,
-        value: axis === 'yaw' ? 0.6 : 0.35,
+        value: axis === 'yaw' ? 0.6 : 0.7,
         'aria-label': axis === 'yaw' ? 'Turn left and right' : 'Turn up and down',
         input: e => {
             if (box.chart) box.chart.signal(axis, Number(e.target.value) / (axis === 'yaw' ? 1 : 2)).runAsync();
@@ -283,9 +284,10 @@ function embeddingSection() {
         if (!sized) {  // as large as the room allows, until the reader decides
             size.value = Math.round(Math.max(12, Math.min(44, 0.32 * (box.clientWidth || 600) / Math.sqrt(count))));
         }
-        facts.textContent = `${e.method} in ${e.dimension} dimensions` +
-            (known(e.stress) ? `, stress ${num(e.stress)}` : '') + '.' + (e.dimension === 3 ? ' Drag to turn.' : '') +
-            (data.pictures_at_one_scale ? '' : ' Each shape fills its picture, whatever its size.');
+        const about = `${e.method} in ${e.dimension} dimensions` + (known(e.stress) ? `, stress ${num(e.stress)}` : '') +
+            '.' + (e.dimension === 3 ? ' Drag to turn.' : '') +
+            (data.pictures_at_one_scale || !hasPictures ? '' : ' Each shape fills its picture, whatever its size.');
+        facts.textContent = about;
         const view = await draw(
             box,
             embeddingSpec(
@@ -298,7 +300,7 @@ function embeddingSection() {
         });
         view.addSignalListener('over', (_, i) => {
             facts.textContent =
-                i === null ? '' : `${nameOf(i)}${data.shapes[i].label ? ', class ' + shown(data.shapes[i].label) : ''}`;
+                i === null ? about : `${nameOf(i)}${data.shapes[i].label ? ', class ' + shown(data.shapes[i].label) : ''}`;
         });
         view.signal('first', pair.a).signal('second', pair.b).runAsync();
     }
@@ -309,8 +311,10 @@ function embeddingSection() {
     return section(
         'embedding', 'Map of the shapes',
         el('div', {class: 'fields'}, el('label', {class: 'field'}, 'View', chooser),
-           el('label', {class: 'field'}, 'Edges', edges), el('label', {class: 'field'}, pictures, 'Pictures'),
-           el('label', {class: 'field'}, 'Size', size), turns),
+           el('label', {class: 'field'}, 'Edges', edges),
+           hasPictures ? [el('label', {class: 'field'}, pictures, 'Pictures'), el('label', {class: 'field'}, 'Size', size)] :
+                         null,
+           turns),
         box, facts, el('p', {id: 'pick', class: 'pick'}), placedTable());
 }
 
@@ -325,7 +329,7 @@ function glanceSection() {
             graph,
             embeddingSpec(
                 flat, fewEdges(), Math.min(620, (graph.clientWidth || 400) - 16),
-                {pictures: true, picture: graph.clientWidth < 420 ? 40 : 60, labels: true}),
+                {pictures: hasPictures, picture: !hasPictures ? 10 : graph.clientWidth < 420 ? 40 : 60, labels: true}),
             'Graph of the shapes; each edge carries the distance of its ends. All distances are in the matrix beside it.');
         view.addSignalListener('pick', (_, p) => {
             if (p) pickShape(p.i);
@@ -344,8 +348,25 @@ function glanceSection() {
         'glance', 'All shapes at a glance', el('div', {class: 'glance'}, graph, matrix),
         el('details', {}, el('summary', {}, 'All distances with their error bars'),
            table(
-               'All distances, with error bars', ['shape'].concat(order.map(shortName)),
+               'All distances, with error bars', ['shape'].concat(order.map(i => '#' + shortName(i))),
                order.map(i => [nameOf(i)].concat(order.map(j => i === j ? '0' : withError(i, j)))))));
+}
+
+/// One of the nearest shapes of i, to choose the pair.
+function neighbourButton(i, j) {
+    const [own, other] = [i, j].map(s => data.shapes[s].label), differ = byClass && own && other && own !== other;
+    return el('button', {
+        type: 'button',
+        click: () => {
+            choosePair(i, j);
+            bringPair();
+        },
+        class: 'near' + (differ ? ' other' : ''),
+        title: `${nameOf(j)}: ${withError(i, j)}`,
+        'aria-label': `${nameOf(j)}, distance ${withError(i, j)}`
+    },
+              hasPictures ? thumbnail(j, 44, true) : el('strong', {}, breakable(shown(shortName(j)))),
+              el('span', {}, num(distance(i, j))));
 }
 
 function neighbourSection() {
@@ -365,28 +386,13 @@ function neighbourSection() {
                 `The ${k} nearest neighbours` +
                     (rows.length < found.length ? ` (${rows.length} of ${found.length} shapes)` : ''),
                 ['shape', 'class', ...Array.from({length: k}, (_, r) => '#' + (r + 1) + '.')],
-                rows.map(
-                    i =>
-                        [shapeLink(i, 44), shown(data.shapes[i].label),
-                         ...Array.from(
-                             {length: k},
-                             (_, r) => {
-                                 const j = neighboursOf(i)[r];
-                                 return j === undefined ?
-                                     '–' :
-                                     el('button', {
-                                         type: 'button',
-                                         click: () => {
-                                             choosePair(i, j);
-                                             bringPair();
-                                         },
-                                         class: 'near' +
-                                             (byClass && data.shapes[i].label !== data.shapes[j].label ? ' other' : ''),
-                                         title: `${nameOf(j)}: ${withError(i, j)}`,
-                                         'aria-label': `${nameOf(j)}, distance ${withError(i, j)}`
-                                     },
-                                        thumbnail(j, 44, true), el('span', {}, num(distance(i, j))));
-                             })]),
+                rows.map(i => {
+                    const near = neighboursOf(i);
+                    return [
+                        shapeLink(i, 44), shown(data.shapes[i].label),
+                        ...Array.from({length: k}, (_, r) => r < near.length ? neighbourButton(i, near[r]) : '–')
+                    ];
+                }),
                 {class: 'neighbours'}),
             rows.length < found.length ?
                 el('button', {type: 'button', class: 'quiet', click: () => fill(true)}, `Show all ${found.length}`) :

@@ -59,6 +59,7 @@ const pairIndex = (i, j) => {
     return count * i - i * (i + 1) / 2 + j - i - 1;
 };
 const distance = (i, j) => i === j ? 0 : data.distances[pairIndex(i, j)];
+const hasErrors = data.errors.length > 0 || data.errors_left_out;
 const errorOf = (i, j) => i === j || !data.errors.length ? null : data.errors[pairIndex(i, j)];
 const isEstimate = (i, j) => i !== j && data.refined.length > 0 && !data.refined[pairIndex(i, j)];
 function withError(i, j) {
@@ -128,8 +129,12 @@ const breakable = text => text.split(/(?<=[/_.])/).flatMap((part, k) => k ? [el(
 
 function announce(text) { document.getElementById('live').textContent = text; }
 
-/// A picture of a shape; an empty box of the same size if there is none.
+/// Studies of a given table have none.
+const hasPictures = data.shapes.some(s => s.picture);
+
+/// A picture of a shape; an empty box of the same size if it alone has none.
 function thumbnail(i, size, decorative) {
+    if (!hasPictures) return null;
     const p = data.shapes[i].picture;
     if (!p)
         return el(
@@ -157,6 +162,6 @@ function table(caption, heads, rows, attributes) {
                  heads.map(
                      (h, k) => el(
                          'th', {scope: 'col', role: role('columnheader'), class: numeric[k] ? 'num' : null},
-                         h.replace('#', ''))))),
+                         numeric[k] ? h.slice(1) : h)))),
            el('tbody', {role: role('rowgroup')}, rows.map(r => el('tr', {role: role('row')}, r.map(cell))))));
 }

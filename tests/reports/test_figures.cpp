@@ -1,8 +1,10 @@
 #include <cairo.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <regex>
 #include <set>
 
 #include "reports/figures.h"
@@ -84,6 +86,42 @@ TEST(Figures, MapsShowPlacedQueries) {
         EXPECT_EQ(f.svg.find("onerror=alert(1)") != std::string::npos, space) << f.name;
         EXPECT_EQ(f.svg.find("<img"), std::string::npos) << f.name;
     }
+}
+
+TEST(Figures, LegendsOfManyClassesAreInsideThePicture) {
+    auto model = tests::synthetic_model({.shapes = 40, .classes = 13, .paths = 0});
+    std::set<std::string> labels;
+    for (auto& shape : model.shapes) {
+        shape.label = "a kind with a name: " + shape.label;
+        labels.insert(shape.label);
+    }
+    ASSERT_EQ(labels.size(), 13U);
+    for (const Figure& figure : figures(model)) {
+        if (figure.name.starts_with("shepard") || figure.name == "compare" || figure.name == "precision_recall")
+            continue;
+        std::smatch size;
+        ASSERT_TRUE(std::regex_search(figure.svg, size, std::regex("viewBox=\"0 0 ([0-9.]+) ([0-9.]+)\"")));
+        std::set<std::string> inside;
+        const std::regex entry("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>([^<]*)</text>");
+        for (std::sregex_iterator it(figure.svg.begin(), figure.svg.end(), entry), end; it != end; ++it) {
+            const double right = std::stod((*it)[1]) + 5.0 * static_cast<double>((*it)[3].length());
+            if (std::stod((*it)[2]) < std::stod(size[2]) && right < std::stod(size[1])) inside.insert((*it)[3]);
+        }
+        for (const std::string& label : labels) EXPECT_TRUE(inside.contains(label)) << figure.name << ": " << label;
+    }
+}
+
+TEST(Figures, NothingIsDrawnOfRankingsWithoutQueries) {
+    auto model = tests::synthetic_model({.shapes = 8, .classes = 2, .paths = 0});
+    const auto has_curve = [&] {
+        const auto made = figures(model);
+        return std::any_of(made.begin(), made.end(), [](const Figure& f) { return f.name == "precision_recall"; });
+    };
+    EXPECT_TRUE(has_curve());
+    for (auto& ranking : model.classes) {  // as where every class has one member
+        for (auto& point : ranking.precision_recall) point.precision = unknown;
+    }
+    EXPECT_FALSE(has_curve());
 }
 
 TEST(Figures, LargeStudiesStaySmall) {

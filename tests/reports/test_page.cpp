@@ -299,8 +299,16 @@ TEST_F(Page, AGivenTableHasNoGeodesics) {
     model.volumes.reset();
     model.links.clear();
     for (auto& shape : model.shapes) shape.thumbnail = {}, shape.volume = unknown;
+    model.errors.clear();
+    model.trust.triangles_checked = 56;
+    model.trust.triangles_violated = model.trust.triangles_beyond_error = 1;
+    for (double& d : model.distances) d *= 1e-4;
     show(model);
     const std::string page = text("main");
+    EXPECT_THAT(text("#trust"), testing::HasSubstr("1 of 56 triangles violates the triangle inequality."));
+    EXPECT_NE(text("#neighbours button.near strong"), "");  // without pictures neighbours are known by their names
+    EXPECT_THAT(text("#neighbours"), testing::HasSubstr("10⁻"));
+    EXPECT_THAT(text("#embedding"), testing::Not(testing::HasSubstr("Pictures")));
     EXPECT_THAT(text(".headline"), testing::HasSubstr("given distances"));
     EXPECT_THAT(page, testing::Not(testing::HasSubstr("morphodesic geodesic")));
     EXPECT_THAT(page, testing::Not(testing::HasSubstr("Every computed pair converged")));
