@@ -94,7 +94,7 @@ void fit_isotonic(std::span<const double> margins, std::span<const unsigned char
 
 double ConfidenceCurve::operator()(double margin) const {
     if (kind == CalibrationKind::logistic) return logistic(offset + slope * margin);
-    if (steps.empty()) return 0.5;
+    if (steps.empty()) return std::numeric_limits<double>::quiet_NaN();
     const auto after = std::lower_bound(steps.begin(), steps.end(), margin,
                                         [](const std::pair<double, double>& s, double m) { return s.first < m; });
     if (after == steps.begin()) return steps.front().second;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,11 +18,11 @@ enum class CalibrationKind {
 /// From the margin of an answer to the probability that it is right.
 struct ConfidenceCurve {
     CalibrationKind kind = CalibrationKind::logistic;
-    double offset = 0.0, slope = 0.0;
+    double offset = std::numeric_limits<double>::quiet_NaN(), slope = offset;
     std::vector<std::pair<double, double>> steps;  ///< isotonic: margin, confidence; linear in between
     [[nodiscard]] double operator()(double margin) const;
 };
-/// @param right 1 if the answer was right, else 0. Without answers the curve is constant 1/2.
+/// @param right 1 if the answer was right, else 0. Without answers nothing is known: NaN everywhere.
 [[nodiscard]] ConfidenceCurve fit_confidence(std::span<const double> margins, std::span<const unsigned char> right,
                                              CalibrationKind kind);
 

@@ -195,6 +195,10 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
     }
     calibrate_novelty(members, strangers, result);
     result.confidence = fit_confidence(margins, right, options.calibration);
+    if (margins.size() < 2) {  // nothing to judge the confidences by
+        result.reliability = reliability({}, {});
+        return result;
+    }
     // Five folds over the margins in order, so that every fold has small and large ones.
     std::vector<std::size_t> order(margins.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "analysis/evaluation.h"
-#include "analysis/parallel.h"
-#include "analysis/random.h"
 #include "analysis/statistics.h"
 
 namespace morphodesic::analysis {
@@ -73,8 +71,7 @@ double kendall_correlation(std::span<const double> x, std::span<const double> y)
     return (all - same_x - same_y + same_both - 2.0 * discordant) / std::sqrt(all - same_x) / std::sqrt(all - same_y);
 }
 
-MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there, std::size_t neighbours,
-                         std::size_t permutations, std::uint64_t seed) {
+MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there, std::size_t neighbours) {
     if (neighbours == 0) throw std::invalid_argument("comparison needs at least one neighbour");
     std::unordered_map<std::string, std::size_t> number;
     for (std::size_t i = 0; i < there.size(); ++i) number.emplace(there.labels()[i], i);
@@ -82,76 +79,24 @@ MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there
     std::vector<std::size_t> from_here, from_there;
     for (std::size_t i = 0; i < here.size(); ++i) {
         const auto found = number.find(here.labels()[i]);
-        if (found == number.end()) {
-            result.only_here.push_back(here.labels()[i]);
-        } else {
-            result.labels.push_back(here.labels()[i]);
-            from_here.push_back(i);
-            from_there.push_back(found->second);
-            number.erase(found);
-        }
-    }
-    for (const std::string& label : there.labels()) {
-        if (number.contains(label)) result.only_there.push_back(label);
+        if (found == number.end()) continue;
+        result.labels.push_back(here.labels()[i]);
+        from_here.push_back(i);
+        from_there.push_back(found->second);
     }
     const DistanceMatrix a = here.subset(from_here), b = there.subset(from_there);
     const std::size_t n = a.size();
     std::vector<double> x(a.condensed().begin(), a.condensed().end()), y(b.condensed().begin(), b.condensed().end());
-    double xx = 0.0, xy = 0.0;
     for (std::size_t k = 0; k < x.size(); ++k) {
         if (std::isnan(x[k]) || std::isnan(y[k])) {
             x[k] = y[k] = missing;
             continue;
         }
         ++result.pairs;
-        xx += x[k] * x[k];
-        xy += x[k] * y[k];
     }
-    result.scale = xx > 0.0 ? xy / xx : missing;
     result.pearson = pearson_correlation(x, y);
     result.kendall = kendall_correlation(x, y);
-    const std::vector<double> rank_x = ranks(x), rank_y = ranks(y);
-    result.spearman = pearson_correlation(rank_x, rank_y);
-    result.permutations = permutations;
-    if (std::isnan(result.spearman)) {
-        result.mantel_p = missing;
-    } else {
-        // Ranks as centred square tables, 0 where one side is missing: a permutation moves rows and columns of one of
-        // them.
-        const auto table = [&](const std::vector<double>& rank) {
-            const double centre = 0.5 * (static_cast<double>(result.pairs) + 1.0);
-            std::vector<double> square(n * n, 0.0);
-            for (std::size_t i = 0, k = 0; i < n; ++i) {
-                for (std::size_t j = i + 1; j < n; ++j, ++k) {
-                    square[i * n + j] = square[j * n + i] = std::isnan(rank[k]) ? 0.0 : rank[k] - centre;
-                }
-            }
-            return square;
-        };
-        const std::vector<double> u = table(rank_x), v = table(rank_y);
-        const auto product = [&](const std::vector<std::size_t>& order) {
-            double sum = 0.0;
-            for (std::size_t i = 0; i < n; ++i) {
-                const double* const row = &v[order[i] * n];
-                double part = 0.0;
-                for (std::size_t j = i + 1; j < n; ++j) part += u[i * n + j] * row[order[j]];
-                sum += part;
-            }
-            return sum;
-        };
-        std::vector<std::size_t> identity(n);
-        for (std::size_t i = 0; i < n; ++i) identity[i] = i;
-        const double own = product(identity), slack = 1e-12 * std::abs(own);
-        std::vector<unsigned char> as_large(permutations, 0);
-        parallel_for_each_index(permutations, 1, [&](std::size_t p) {
-            std::vector<std::size_t> order = identity;
-            Random random(seed, p);
-            random.shuffle(order);
-            as_large[p] = product(order) >= own - slack ? 1 : 0;
-        });
-        const auto count = std::count(as_large.begin(), as_large.end(), 1);
-        result.mantel_p = static_cast<double>(1 + count) / static_cast<double>(1 + permutations);
-    }
+    result.spearman = spearman_correlation(x, y);
     result.neighbours = neighbours;
     double sum = 0.0, counted = 0.0;
     for (std::size_t i = 0; i < n; ++i) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,20 +18,15 @@ struct MovedNeighbours {
 
 /// Two matrices over the labels that both have.
 struct MatrixComparison {
-    std::vector<std::string> labels;  ///< in both, in the order of the first
-    std::vector<std::string> only_here, only_there;
+    std::vector<std::string> labels;                      ///< in both, in the order of the first
     std::size_t pairs = 0;                                ///< known in both
     double pearson = 0.0, spearman = 0.0, kendall = 0.0;  ///< over those pairs (tau-b); NaN if a side is constant
-    double scale = 0.0;                                   ///< least squares factor: there = scale * here
-    double mantel_p = 1.0;  ///< one-sided: permutations of the items with at least this Spearman correlation
-    std::size_t permutations = 0;
-    std::size_t neighbours = 0;  ///< k of the overlaps
+    std::size_t neighbours = 0;                           ///< k of the overlaps
     double mean_overlap = 0.0;
     std::vector<MovedNeighbours> moved;  ///< items whose k nearest differ, least overlap first
 };
 /// @param neighbours k >= 1
-[[nodiscard]] MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there, std::size_t neighbours,
-                                       std::size_t permutations, std::uint64_t seed);
+[[nodiscard]] MatrixComparison compare(const DistanceMatrix& here, const DistanceMatrix& there, std::size_t neighbours);
 
 /// Kendall's tau-b over the positions where both are numbers, O(n log n); NaN if one side is constant.
 [[nodiscard]] double kendall_correlation(std::span<const double> x, std::span<const double> y);

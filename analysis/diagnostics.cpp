@@ -120,18 +120,14 @@ double DirectedPair::relative_difference() const {
 AsymmetryReport asymmetry(std::span<const DirectedPair> pairs, std::size_t worst_shown) {
     AsymmetryReport result;
     std::vector<double> differences;
-    double signed_sum = 0.0;
     for (const DirectedPair& p : pairs) {
         if (std::isnan(p.forward) || std::isnan(p.backward)) continue;
         differences.push_back(p.relative_difference());
-        signed_sum += p.forward >= p.backward ? differences.back() : -differences.back();
-        result.worst.push_back(p);
+        if (p.forward != p.backward) result.worst.push_back(p);
     }
     result.pairs = differences.size();
     result.median = quantile(differences, 0.5);
-    result.percentile_95 = quantile(differences, 0.95);
     result.largest = quantile(differences, 1.0);
-    result.mean_signed = differences.empty() ? missing : signed_sum / static_cast<double>(differences.size());
     std::stable_sort(result.worst.begin(), result.worst.end(), [](const DirectedPair& a, const DirectedPair& b) {
         return a.relative_difference() > b.relative_difference();
     });
@@ -186,7 +182,7 @@ StabilityReport cluster_stability(const DistanceMatrix& distances, const Cluster
     if (clusters.size() != distances.size()) throw std::invalid_argument("the clustering belongs to another matrix");
     const std::size_t n = distances.size(), count = cluster_count(clusters);
     StabilityReport result;
-    result.mean_rand = result.lowest_rand = missing;
+    result.mean_rand = missing;
     if (!distances.has_errors() || n < 2 || runs == 0) return result;
     std::vector<Clustering> redone(runs);
     parallel_for_each_index(runs, 1, [&](std::size_t r) {
@@ -200,14 +196,11 @@ StabilityReport cluster_stability(const DistanceMatrix& distances, const Cluster
         redone[r] = cut_by_count(linkage(moved, n, method), count);
     });
     result.runs = runs;
-    std::vector<double> members(count, 0.0), together(count, 0.0), jaccard(count, 0.0), item(n, 0.0);
+    std::vector<double> members(count, 0.0), jaccard(count, 0.0), item(n, 0.0);
     for (const std::size_t c : clusters) members[c] += 1.0;
     double sum = 0.0;
-    result.lowest_rand = 1.0;
     for (const Clustering& run : redone) {
-        const double rand = adjusted_rand(clusters, run);
-        sum += rand;
-        result.lowest_rand = std::min(result.lowest_rand, rand);
+        sum += adjusted_rand(clusters, run);
         std::vector<double> shared(count * count, 0.0), sizes(count, 0.0);
         for (std::size_t i = 0; i < n; ++i) {
             shared[clusters[i] * count + run[i]] += 1.0;
@@ -217,22 +210,20 @@ StabilityReport cluster_stability(const DistanceMatrix& distances, const Cluster
             double best = 0.0;
             for (std::size_t other = 0; other < count; ++other) {
                 const double s = shared[c * count + other];
-                together[c] += 0.5 * s * (s - 1.0);
                 best = std::max(best, s / (members[c] + sizes[other] - s));
             }
             jaccard[c] += best;
         }
         for (std::size_t i = 0; i < n; ++i) {
             const double others = members[clusters[i]] - 1.0;
-            item[i] += others > 0.0 ? (shared[clusters[i] * count + run[i]] - 1.0) / others : 1.0;
+            item[i] += others > 0.0 ? (shared[clusters[i] * count + run[i]] - 1.0) / others
+                                    : (sizes[run[i]] == 1.0 ? 1.0 : 0.0);
         }
     }
     const auto times = static_cast<double>(runs);
     result.mean_rand = sum / times;
     for (std::size_t c = 0; c < count; ++c) {
-        const double pairs = 0.5 * members[c] * (members[c] - 1.0);
-        result.clusters.push_back({c, static_cast<std::size_t>(members[c]),
-                                   pairs > 0.0 ? together[c] / pairs / times : 1.0, jaccard[c] / times});
+        result.clusters.push_back({c, static_cast<std::size_t>(members[c]), jaccard[c] / times});
     }
     for (double& s : item) s /= times;
     result.item_stability = std::move(item);

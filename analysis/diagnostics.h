@@ -34,8 +34,7 @@ struct DirectedPair {
 };
 struct AsymmetryReport {
     std::size_t pairs = 0;
-    double median = 0.0, percentile_95 = 0.0, largest = 0.0;  ///< relative differences; NaN without pairs
-    double mean_signed = 0.0;  ///< mean of (forward - backward) / mean of both: a systematic direction
+    double median = 0.0, largest = 0.0;  ///< relative differences; NaN without pairs
     std::vector<DirectedPair> worst;
 };
 /// Pairs with a missing direction are passed over.
@@ -54,15 +53,15 @@ struct CloseClusters {
 struct ClusterStability {
     std::size_t cluster;
     std::size_t members;
-    double co_membership;  ///< how often two members stay together, mean over pairs and runs; 1 for a single member
-    double jaccard;        ///< mean over runs of the largest Jaccard index with a cluster of the run (Hennig 2007)
+    double jaccard;  ///< mean over runs of the largest Jaccard index with a cluster of the run (Hennig 2007)
 };
 struct StabilityReport {
-    std::size_t runs = 0;      ///< 0: there are no error bars, nothing was done
-    double mean_rand = 0.0;    ///< adjusted Rand index between run and study: mean ...
-    double lowest_rand = 0.0;  ///< ... and the lowest
+    std::size_t runs = 0;    ///< 0: there are no error bars, nothing was done
+    double mean_rand = 0.0;  ///< adjusted Rand index between run and study
     std::vector<ClusterStability> clusters;
-    std::vector<double> item_stability;  ///< [n] how often an item stays with the other members of its cluster
+    /// [n] share of the other members of its cluster that an item stays with, mean over runs; for a single member how
+    /// often it is alone
+    std::vector<double> item_stability;
 };
 /// Each run draws every distance uniformly from its error bar (not below 0; without bar it stays), clusters anew and
 /// cuts into as many clusters as `clusters` has. Deterministic for a seed, on any number of threads.

@@ -288,7 +288,7 @@ Permanova permanova(const DistanceMatrix& distances, std::span<const std::string
         as_large[p] = within(order) <= own + 1e-12 * total ? 1 : 0;
     });
     const auto count = std::count(as_large.begin(), as_large.end(), 1);
-    result.p_value = static_cast<double>(1 + count) / static_cast<double>(1 + permutations);
+    if (permutations > 0) result.p_value = static_cast<double>(1 + count) / static_cast<double>(1 + permutations);
     return result;
 }
 

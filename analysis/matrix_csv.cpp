@@ -140,7 +140,7 @@ DistanceMatrix read_distance_csv(std::istream& in, const std::string& source, co
                                  "write the same distance on both sides, or say that both directions are given: "
                                  "--asymmetric");
             }
-            if (options.both_ways != nullptr && a != b) options.both_ways->push_back({i, j, a, b});
+            if (options.both_ways != nullptr && !std::isnan(a)) options.both_ways->push_back({i, j, a, b});
             matrix.set(i, j, a == b ? a : a + 0.5 * (b - a));
         }
     }

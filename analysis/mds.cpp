@@ -17,14 +17,12 @@ constexpr std::size_t dense_limit = 400, listed_eigenvalues = 10;
 struct Spectrum {
     Eigen::VectorXd values;   // decreasing
     Eigen::MatrixXd vectors;  // columns
-    double smallest = 0.0;
 };
 
 Spectrum dense_spectrum(const Eigen::MatrixXd& b, std::size_t count) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(b);
     const auto k = static_cast<Eigen::Index>(count);
-    return {solver.eigenvalues().tail(k).reverse(), solver.eigenvectors().rightCols(k).rowwise().reverse(),
-            solver.eigenvalues()(0)};
+    return {solver.eigenvalues().tail(k).reverse(), solver.eigenvectors().rightCols(k).rowwise().reverse()};
 }
 
 /// y = B x with rows shared among the threads; every entry is one dot product, so the bits stay the same.
@@ -51,13 +49,8 @@ Spectrum partial_spectrum(const Eigen::MatrixXd& b, std::size_t count) {
     Spectra::SymEigsSolver<RowProduct> largest(product, k, 4 * k + 20);
     largest.init();
     largest.compute(Spectra::SortRule::LargestAlge, 300, 1e-10, Spectra::SortRule::LargestAlge);
-    Spectra::SymEigsSolver<RowProduct> smallest(product, 1, 24);
-    smallest.init();
-    smallest.compute(Spectra::SortRule::SmallestAlge, 300, 1e-6, Spectra::SortRule::SmallestAlge);
-    if (largest.info() != Spectra::CompInfo::Successful || smallest.info() != Spectra::CompInfo::Successful) {
-        return dense_spectrum(b, count);  // slower, the same numbers
-    }
-    return {largest.eigenvalues(), largest.eigenvectors(), smallest.eigenvalues()(0)};
+    if (largest.info() != Spectra::CompInfo::Successful) return dense_spectrum(b, count);  // slower, the same numbers
+    return {largest.eigenvalues(), largest.eigenvectors()};
 }
 
 void make_largest_entry_positive(Eigen::Ref<Eigen::VectorXd> column) {
@@ -119,12 +112,9 @@ ClassicalScaling classical_mds(const DistanceMatrix& distances, std::size_t dime
     const Eigen::VectorXd row_mean = b.rowwise().mean();
     const double total_mean = row_mean.mean();
     for (Eigen::Index j = 0; j < n; ++j) b.col(j).array() -= row_mean.array() + row_mean(j) - total_mean;
-    result.trace = b.trace();
-    const double squares = b.squaredNorm();
-    if (squares == 0.0) return result;
+    if (b.squaredNorm() == 0.0) return result;
     const std::size_t wanted = std::min(items, std::max(dimensions, listed_eigenvalues));
     const Spectrum spectrum = items <= dense_limit ? dense_spectrum(b, wanted) : partial_spectrum(b, wanted);
-    result.smallest_eigenvalue = spectrum.smallest;
     result.eigenvalues.assign(spectrum.values.data(), spectrum.values.data() + spectrum.values.size());
     for (std::size_t axis = 0; axis < std::min(dimensions, wanted); ++axis) {
         const double value = result.eigenvalues[axis];
@@ -135,7 +125,6 @@ ClassicalScaling classical_mds(const DistanceMatrix& distances, std::size_t dime
         for (std::size_t i = 0; i < items; ++i) {
             result.embedding.coordinates[i * dimensions + axis] = column(static_cast<Eigen::Index>(i));
         }
-        result.goodness_of_fit += value * value / squares;
     }
     return result;
 }

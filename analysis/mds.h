@@ -26,15 +26,12 @@ struct Embedding {
 void orient_to_principal_axes(Embedding& embedding);
 
 struct ClassicalScaling {
-    Embedding embedding;               ///< columns scaled by sqrt(eigenvalue); 0 where the eigenvalue is not positive
-    std::vector<double> eigenvalues;   ///< the largest of the centred matrix B = -J D^2 J / 2, decreasing (up to ten)
-    double smallest_eigenvalue = 0.0;  ///< far below 0: the distances are far from Euclidean
-    double trace = 0.0;                ///< sum of all eigenvalues
-    double goodness_of_fit = 0.0;      ///< sum of squares of the used eigenvalues / of all (Mardia's second criterion)
+    Embedding embedding;              ///< columns scaled by sqrt(eigenvalue); 0 where the eigenvalue is not positive
+    std::vector<double> eigenvalues;  ///< the largest of the centred matrix B = -J D^2 J / 2, decreasing (up to ten)
 };
 
 /// Classical (Torgerson) scaling: the best inner products of rank `dimensions`. For more than 400 items only the
-/// extreme eigenvalues are computed (Lanczos with restarts, library Spectra).
+/// largest eigenvalues are computed (Lanczos with restarts, library Spectra).
 /// @param dimensions >= 1; more than n - 1 give columns of zeros
 /// @throws std::invalid_argument if a distance is missing
 [[nodiscard]] ClassicalScaling classical_mds(const DistanceMatrix& distances, std::size_t dimensions);

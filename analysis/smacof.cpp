@@ -161,14 +161,12 @@ private:
         fitted_.resize(n_ * n_, 0.0);
         ordered_.resize(pairs);
         const auto distance = [&](const Pair& p) { return std::sqrt(squared_distance(x, p.i, p.j, dim)); };
-        if (!options_.keep_ties) {
-            for (const auto& [begin, end] : ties_) {
-                std::sort(order_.begin() + static_cast<std::ptrdiff_t>(begin),
-                          order_.begin() + static_cast<std::ptrdiff_t>(end), [&](const Pair& a, const Pair& b) {
-                              const double u = distance(a), v = distance(b);
-                              return u != v ? u < v : std::pair(a.i, a.j) < std::pair(b.i, b.j);
-                          });
-            }
+        for (const auto& [begin, end] : ties_) {
+            std::sort(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+                      order_.begin() + static_cast<std::ptrdiff_t>(end), [&](const Pair& a, const Pair& b) {
+                          const double u = distance(a), v = distance(b);
+                          return u != v ? u < v : std::pair(a.i, a.j) < std::pair(b.i, b.j);
+                      });
         }
         constexpr std::size_t chunk = 4096;
         const std::size_t chunks = (pairs + chunk - 1) / chunk;
@@ -176,12 +174,7 @@ private:
             for (std::size_t k = c * chunk; k < std::min(pairs, (c + 1) * chunk); ++k)
                 ordered_[k] = distance(order_[k]);
         });
-        std::vector<double> regression;
-        if (options_.keep_ties && !ties_.empty()) {
-            regression = tied_regression();
-        } else {
-            regression = isotonic_regression(ordered_);
-        }
+        const std::vector<double> regression = isotonic_regression(ordered_);
         double fitted_squares = 0.0;
         for (const double d : regression) fitted_squares += d * d;
         const double scale = fitted_squares > 0.0 ? std::sqrt(given_squares_ / fitted_squares) : 0.0;
@@ -191,26 +184,6 @@ private:
                 fitted_[i * n_ + j] = fitted_[j * n_ + i] = scale * regression[k];
             }
         });
-    }
-
-    /// Secondary approach: each group of equal distances enters as its mean.
-    [[nodiscard]] std::vector<double> tied_regression() const {
-        std::vector<double> means, weights;
-        std::vector<std::size_t> group(ordered_.size());
-        for (std::size_t k = 0; k < ordered_.size(); ++k) {
-            if (k == 0 || given(order_[k]) != given(order_[k - 1])) {
-                means.push_back(0.0);
-                weights.push_back(0.0);
-            }
-            group[k] = means.size() - 1;
-            means.back() += ordered_[k];
-            weights.back() += 1.0;
-        }
-        for (std::size_t g = 0; g < means.size(); ++g) means[g] /= weights[g];
-        const std::vector<double> fitted = isotonic_regression(means, weights);
-        std::vector<double> result(ordered_.size());
-        for (std::size_t k = 0; k < result.size(); ++k) result[k] = fitted[group[k]];
-        return result;
     }
 
     static double squared_distance(const std::vector<double>& x, std::size_t i, std::size_t j, std::size_t dim) {
@@ -312,27 +285,34 @@ std::vector<double> isotonic_regression(std::span<const double> y, std::span<con
     return result;
 }
 
-std::vector<ShepardPoint> shepard_points(const DistanceMatrix& distances, const Embedding& embedding,
-                                         std::span<const double> disparities, std::size_t max_points,
-                                         std::uint64_t seed) {
-    const std::vector<double> embedded = embedded_distances(embedding);
-    if (embedded.size() != distances.pair_count() || disparities.size() != embedded.size()) {
-        throw std::invalid_argument("the embedding belongs to another matrix");
+std::vector<double> disparities_at(std::span<const double> further, std::span<const double> distances,
+                                   std::span<const double> disparities) {
+    if (distances.empty() || distances.size() != disparities.size()) {
+        throw std::invalid_argument("one disparity per distance of the map is needed");
     }
-    std::vector<std::size_t> chosen(embedded.size());
-    std::iota(chosen.begin(), chosen.end(), std::size_t{0});
-    if (max_points < chosen.size()) {
-        Random random(seed);
-        for (std::size_t k = 0; k < max_points; ++k) std::swap(chosen[k], chosen[k + random.below(chosen.size() - k)]);
-        chosen.resize(max_points);
+    std::vector<std::size_t> order(distances.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
+    std::vector<double> known, value;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        double sum = 0.0;
+        while (end < order.size() && distances[order[end]] == distances[order[begin]]) sum += disparities[order[end++]];
+        known.push_back(distances[order[begin]]);
+        value.push_back(sum / static_cast<double>(end - begin));
     }
-    std::vector<ShepardPoint> points;
-    points.reserve(chosen.size());
-    for (const std::size_t k : chosen) points.push_back({distances.condensed()[k], disparities[k], embedded[k]});
-    std::sort(points.begin(), points.end(), [](const ShepardPoint& a, const ShepardPoint& b) {
-        return std::pair(a.distance, a.embedded) < std::pair(b.distance, b.embedded);
-    });
-    return points;
+    std::vector<double> result(further.begin(), further.end());
+    for (double& d : result) {
+        if (std::isnan(d)) continue;
+        const auto after = static_cast<std::size_t>(std::lower_bound(known.begin(), known.end(), d) - known.begin());
+        if (after == 0 || after == known.size()) {
+            const std::size_t nearest = after == 0 ? 0 : after - 1;
+            d = known[nearest] > 0.0 ? value[nearest] * (d / known[nearest]) : value[nearest];
+            continue;
+        }
+        const double t = (d - known[after - 1]) / (known[after] - known[after - 1]);
+        d = value[after - 1] + t * (value[after] - value[after - 1]);
+    }
+    return result;
 }
 
 }  // namespace morphodesic::analysis

@@ -12,10 +12,9 @@ namespace morphodesic::analysis {
 
 struct SmacofOptions {
     std::size_t dimensions = 2;  ///< >= 1
-    bool metric = true;          ///< false: only the order of the distances counts (monotone regression)
-    bool keep_ties = false;  ///< non-metric: equal distances keep equal disparities (secondary approach), else they may
-                             ///< come apart (primary approach)
-    std::size_t starts = 4;  ///< >= 1; the first is classical scaling, the others are random
+    /// false: only the order of the distances counts (monotone regression; equal ones may come apart: primary approach)
+    bool metric = true;
+    std::size_t starts = 4;            ///< >= 1; the first is classical scaling, the others are random
     std::size_t max_iterations = 300;  ///< for the start that is refined; the others get a tenth for the selection
     double tolerance = 1e-6;           ///< stop when an iteration lowers the stress by less than this share, > 0
     std::uint64_t seed = 1;
@@ -48,13 +47,11 @@ struct Smacof {
 /// @param weights > 0, or empty for equal ones
 [[nodiscard]] std::vector<double> isotonic_regression(std::span<const double> y, std::span<const double> weights = {});
 
-/// One point of a Shepard diagram.
-struct ShepardPoint {
-    double distance, disparity, embedded;
-};
-/// All pairs by increasing distance, or a seeded sample of max_points of them.
-[[nodiscard]] std::vector<ShepardPoint> shepard_points(const DistanceMatrix& distances, const Embedding& embedding,
-                                                       std::span<const double> disparities, std::size_t max_points,
-                                                       std::uint64_t seed);
+/// Disparities of further distances in a non-metric map: linear between those of its own (equal distances share the
+/// mean), in proportion beyond the smallest and the largest. NaN stays NaN.
+/// @param distances, disparities  of the map, one each per pair, at least one
+/// @throws std::invalid_argument if they differ in number or there are none
+[[nodiscard]] std::vector<double> disparities_at(std::span<const double> further, std::span<const double> distances,
+                                                 std::span<const double> disparities);
 
 }  // namespace morphodesic::analysis

@@ -178,7 +178,6 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
         if (!gaps.description.empty()) r.remarks.push_back(gaps.description);
         std::vector<std::size_t> number(given.size(), given.size());
         for (std::size_t i = 0; i < r.kept.size(); ++i) number[r.kept[i]] = i;
-        for (const auto& [i, j] : gaps.filled) r.filled.emplace_back(number[i], number[j]);
         known = given.subset(r.kept);
         r.labels = r.distances.labels();
         if (!input.classes.empty()) {
@@ -232,7 +231,6 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
     part("clusters", [&] {
         const Dendrogram& tree = r.trees.front().tree;
         SilhouetteCut best = cut_by_silhouette(tree, r.distances, static_cast<std::size_t>(options.max_clusters));
-        r.silhouette_by_count = std::move(best.mean_silhouette);
         Clustering clusters = std::move(best.clusters);
         std::string cut = cluster_count(clusters) > 1 ? "best silhouette" : "no cut has a silhouette above 0";
         if (options.clusters > 0) {
@@ -261,7 +259,6 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
     part("graphs", [&] {
         r.spanning_tree = minimum_spanning_tree(known);
         r.neighbour_graph = nearest_neighbour_graph(known, static_cast<std::size_t>(options.neighbors));
-        r.components = connected_components(n, r.neighbour_graph);
     });
     part("graph distances", [&] {
         GraphDistances paths = isomap_distances(known, static_cast<std::size_t>(options.neighbors));
@@ -275,8 +272,6 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
     });
     part("classical MDS", [&] {
         const ClassicalScaling axes = classical_mds(r.distances, 3);
-        r.eigenvalues = axes.eigenvalues;
-        r.smallest_eigenvalue = axes.smallest_eigenvalue;
         for (const std::size_t d : {2u, 3u}) r.embeddings.push_back(from("classical MDS", r.distances, axes, d));
     });
     part("Isomap", [&] {

@@ -118,20 +118,14 @@ struct AnalysisResult {
     bool cancelled = false;
     std::vector<std::string> labels, classes;  ///< classes empty if none are known
     std::vector<std::size_t> kept, left_out;
-    std::vector<std::pair<std::size_t, std::size_t>>
-        filled;                        ///< pairs of kept items (numbers here) that were filled in
     DistanceMatrix distances;          ///< without gaps
     std::vector<std::string> remarks;  ///< sentences for the reader: gaps, limits by size, what could not be done
 
-    std::vector<TreeResult> trees;            ///< the chosen linkage first, then the other three
-    std::vector<double> silhouette_by_count;  ///< of the chosen tree cut into 2, 3, ... clusters
-    std::vector<ClusterResult> clusterings;   ///< the cut of the chosen tree, then k-medoids with as many clusters
+    std::vector<TreeResult> trees;           ///< the chosen linkage first, then the other three
+    std::vector<ClusterResult> clusterings;  ///< the cut of the chosen tree, then k-medoids with as many clusters
     std::vector<Edge> spanning_tree, neighbour_graph;  ///< by known distances
-    std::vector<std::size_t> components;               ///< of the neighbour graph
     DistanceMatrix graph_distances;                    ///< path lengths in the neighbour graph (Isomap)
     double isomap_correlation = missing;               ///< Spearman, distances against graph_distances
-    std::vector<double> eigenvalues;                   ///< of classical scaling, largest first (up to ten)
-    double smallest_eigenvalue = 0.0;
     /// SMACOF in 2 and 3 dimensions, non-metric SMACOF, classical MDS, Isomap; turned to lie as the first of its
     /// dimension
     std::vector<EmbeddingResult> embeddings;

@@ -120,9 +120,15 @@ std::vector<reports::PlacedQuery> place_queries(const analysis::AnalysisResult& 
             result.graph_distances, query.distances, static_cast<std::size_t>(result.options.neighbors));
         for (const analysis::EmbeddingResult& map : result.embeddings) {
             const bool has_place = found.nearest >= 0;
-            const auto& distances = map.method == "Isomap" ? along_graph : query.distances;
             analysis::Placement place{{}, reports::unknown};
-            if (has_place) place = analysis::place_query(map.embedding, distances);
+            if (has_place) {
+                place = analysis::place_query(
+                    map.embedding,
+                    map.method == "Isomap" ? along_graph
+                    : map.disparities.empty()
+                        ? query.distances
+                        : analysis::disparities_at(query.distances, result.distances.condensed(), map.disparities));
+            }
             found.positions.push_back(std::move(place.position));
             found.stress.push_back(place.stress);
         }

@@ -52,7 +52,7 @@ std::vector<std::pair<double, double>> common_distances(const analysis::Distance
 reports::Comparison compare_studies(const StudyData& here, const StudyData& there, const std::string& other_name,
                                     int neighbours) {
     const analysis::MatrixComparison found =
-        analysis::compare(here.distances, there.distances, static_cast<std::size_t>(neighbours), 0, 1);
+        analysis::compare(here.distances, there.distances, static_cast<std::size_t>(neighbours));
     if (found.pairs == 0) {
         throw std::invalid_argument(other_name + ": no pair of shapes has a distance in both studies; shapes are " +
                                     "matched by their names");

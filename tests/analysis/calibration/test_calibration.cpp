@@ -66,7 +66,8 @@ TEST(Calibration, FewOrOneSidedAnswersStayModest) {
         fit_confidence(margins, std::vector<unsigned char>{1, 1, 1}, CalibrationKind::logistic);
     EXPECT_GT(all_right(0.4), 0.7);
     EXPECT_LT(all_right(0.4), 0.95);  // three right answers are no proof
-    EXPECT_EQ(fit_confidence({}, {}, CalibrationKind::logistic)(0.3), 0.5);
+    EXPECT_TRUE(std::isnan(fit_confidence({}, {}, CalibrationKind::logistic)(0.3)));
+    EXPECT_TRUE(std::isnan(fit_confidence({}, {}, CalibrationKind::isotonic)(0.3)));
     const ConfidenceCurve same = fit_confidence(std::vector<double>{1, 1, 1, 1}, std::vector<unsigned char>{1, 1, 0, 1},
                                                 CalibrationKind::logistic);
     EXPECT_NEAR(same(1.0), 0.7, 0.06);

@@ -40,10 +40,12 @@ TEST(MatrixCsv, BothDirectionsOfAnAsymmetricTableAreKept) {
     std::vector<DirectedPair> both;
     const DistanceMatrix d = read(text, {.asymmetry_tolerance = 1.0, .both_ways = &both});
     EXPECT_EQ(d(0, 1), 2.0);
-    EXPECT_EQ(d(1, 2), 5.0);  // the known direction
-    ASSERT_EQ(both.size(), 1u);
+    EXPECT_EQ(d(1, 2), 5.0);     // the known direction
+    ASSERT_EQ(both.size(), 2u);  // also where both directions agree
     EXPECT_EQ(both[0].forward, 1.0);
     EXPECT_EQ(both[0].backward, 3.0);
+    EXPECT_EQ(both[1].second, 2u);
+    EXPECT_EQ(both[1].relative_difference(), 0.0);
 }
 
 struct BadCsv {

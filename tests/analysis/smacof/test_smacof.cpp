@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "analysis/procrustes.h"
@@ -82,34 +83,38 @@ TEST(Smacof, EquilateralTetrahedronInThePlane) {
 TEST(Smacof, ReportedNumbersAreThoseOfTheReportedPicture) {
     for (const DistanceMatrix& d : {tests::grouped_matrix(40, 4, 2.0, 3), tests::tied_matrix(40, 7, 3)}) {
         for (const bool metric : {true, false}) {
-            for (const bool keep_ties : {false, true}) {
-                SmacofOptions options;
-                options.metric = metric;
-                options.keep_ties = keep_ties;
-                const Smacof result = smacof(d, options);
-                EXPECT_NEAR(result.stress, stress_1(result.embedding, result.disparities), 1e-9);
-                EXPECT_NEAR(std::accumulate(result.stress_per_item.begin(), result.stress_per_item.end(), 0.0), 1.0,
-                            1e-9);
-                EXPECT_EQ(result.runs.size(), 4u);
-                if (metric) continue;
-                const auto shepard = shepard_points(d, result.embedding, result.disparities, 10'000, 1);
-                ASSERT_EQ(shepard.size(), d.pair_count());
-                double highest = 0.0;  // of the disparities of smaller distances
-                for (std::size_t k = 0; k < shepard.size();) {
-                    double group_highest = highest, first = shepard[k].disparity;
-                    const double distance = shepard[k].distance;
-                    for (; k < shepard.size() && shepard[k].distance == distance; ++k) {
-                        EXPECT_GE(shepard[k].disparity, highest - 1e-12);
-                        group_highest = std::max(group_highest, shepard[k].disparity);
-                        if (keep_ties) {
-                            EXPECT_NEAR(shepard[k].disparity, first, 1e-12);
-                        }
-                    }
-                    highest = group_highest;
-                }
+            SmacofOptions options;
+            options.metric = metric;
+            const Smacof result = smacof(d, options);
+            EXPECT_NEAR(result.stress, stress_1(result.embedding, result.disparities), 1e-9);
+            EXPECT_NEAR(std::accumulate(result.stress_per_item.begin(), result.stress_per_item.end(), 0.0), 1.0, 1e-9);
+            EXPECT_EQ(result.runs.size(), 4u);
+            if (metric) continue;
+            std::map<double, std::pair<double, double>> range;  // of the disparities of equal distances
+            for (std::size_t k = 0; k < d.pair_count(); ++k) {
+                const double disparity = result.disparities[k];
+                auto& [low, high] = range.try_emplace(d.condensed()[k], disparity, disparity).first->second;
+                low = std::min(low, disparity);
+                high = std::max(high, disparity);
+            }
+            double highest = 0.0;  // of the disparities of smaller distances
+            for (const auto& [distance, disparities] : range) {
+                EXPECT_GE(disparities.first, highest - 1e-12);
+                highest = disparities.second;
             }
         }
     }
+}
+
+TEST(Smacof, DisparitiesOfFurtherDistances) {
+    const std::vector<double> distances{4, 1, 2, 2}, disparities{8, 1, 2, 4}, further{0, 0.5, 1, 2, 3, 4, 6, missing};
+    const std::vector<double> found = disparities_at(further, distances, disparities);
+    const std::vector<double> expected{0, 0.5, 1, 3, 5.5, 8, 12};
+    for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-15) << further[k];
+    EXPECT_TRUE(std::isnan(found.back()));
+    EXPECT_EQ(disparities_at(further, std::vector<double>{0}, std::vector<double>{3})[4], 3.0);
+    EXPECT_THROW((void)disparities_at(further, distances, std::vector<double>{1}), std::invalid_argument);
+    EXPECT_THROW((void)disparities_at(further, {}, {}), std::invalid_argument);
 }
 
 TEST(Smacof, NonMetricDependsOnTheOrderOfDistancesOnly) {

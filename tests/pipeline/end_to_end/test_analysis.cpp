@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -148,6 +149,51 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
         while (std::getline(places, place) && place.rfind(item, 0) != 0) continue;
         const double x = std::stod(line.substr(line.find("SMACOF,2,") + 9)), at = std::stod(place.substr(item.size()));
         EXPECT_NEAR(x, at, 0.05) << line << "\n" << place;
+    }
+    // Non-metric maps have places for disparities: a query that is a copy of a shape comes to lie on it there, too.
+    std::ostringstream bent, copies;
+    const auto point = [](int i) { return std::pair(std::cos(1.7 * i) + 0.1 * i, std::sin(2.3 * i) - 0.05 * i); };
+    constexpr int points = 12;
+    for (int i = 0; i < points; ++i) bent << ",s" << i;
+    copies << bent.str() << "\n";
+    bent << "\n";
+    for (int i = 0; i < points; ++i) {
+        bent << "s" << i;
+        if (i % 4 == 0) copies << "copy of s" << i;
+        for (int j = 0; j < points; ++j) {
+            const double d = std::hypot(point(i).first - point(j).first, point(i).second - point(j).second);
+            bent << "," << d * d * d;
+            if (i % 4 == 0) copies << "," << d * d * d;
+        }
+        bent << "\n";
+        if (i % 4 == 0) copies << "\n";
+    }
+    write_file(folder / "bent.csv", bent.str());
+    write_file(folder / "copies.csv", copies.str());
+    ASSERT_EQ(
+        morphodesic({"analyze", (folder / "bent.csv").string(), "--place", (folder / "copies.csv").string(), "--quiet"})
+            .code,
+        0);
+    const auto places_in = [&](const char* file) {
+        std::map<std::string, std::pair<double, double>> places;
+        std::istringstream in(read_file(folder / "bent.analysis" / file));
+        for (std::string row; std::getline(in, row);) {
+            const std::string method = ",non-metric SMACOF,2,";
+            const std::size_t at = row.find(method);
+            if (at == std::string::npos) continue;
+            std::istringstream numbers(row.substr(at + method.size()));
+            char comma = 0;
+            auto& place = places[row.substr(0, at)];
+            numbers >> place.first >> comma >> place.second;
+        }
+        return places;
+    };
+    const auto shapes = places_in("embedding.csv"), placed = places_in("placed.csv");
+    ASSERT_EQ(placed.size(), 3u);
+    for (const auto& [name, place] : placed) {
+        const auto& original = shapes.at(name.substr(8));
+        EXPECT_NEAR(place.first, original.first, 0.05) << name;
+        EXPECT_NEAR(place.second, original.second, 0.05) << name;
     }
     write_file(folder / "bad.csv", ",nobody\nq,1\n");
     const Outcome bad = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "bad.csv").string()});
