@@ -22,10 +22,28 @@ ComparedShape<Dim> compared(datasets::Shape<Dim> shape) {
             std::move(shape.notes)};
 }
 
+/// The shapes of a study are as they were read and placed: other options would be said and not done.
+void expect_reading_of_study(const fs::path& folder, const RunSettings& study, const RunSettings& wanted,
+                             int dimension) {
+    datasets::ImportOptions reading = wanted.import;  // queries have an occluder and a border of their own
+    reading.occluder = study.import.occluder;
+    reading.border = study.import.border;
+    if (canonical_text(reading) == canonical_text(study.import) && wanted.normalize == study.normalize &&
+        wanted.labels == study.labels &&
+        (wanted.dimension == "auto" || wanted.dimension == std::to_string(dimension))) {
+        return;
+    }
+    throw std::invalid_argument(folder.string() +
+                                ": is a study, whose shapes are read and placed already; leave out options such as "
+                                "--normalize, --foreground, --labels and --dimension, or take the folder it was made "
+                                "from as templates");
+}
+
 template <int Dim>
 TemplateSet<Dim> from_store(const fs::path& folder, const RunSettings& wanted) {
     const ResultStore store(StudyFolder(folder).store(), ResultStore::Access::read);
     const RunSettings settings = settings_of_study(store);
+    expect_reading_of_study(folder, settings, wanted, Dim);
     TemplateSet<Dim> set;
     set.import = settings.import;
     set.placement.mode = settings.normalize;
@@ -65,13 +83,7 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
     set.placement.level = shape_level(Dim, settings.geodesic);
     set.remarks = scan.notes;
     for (const auto& problem : scan.problems) set.problems.push_back(problem.message());
-    std::erase_if(scan.sources, [&](const datasets::ShapeSource& source) {
-        if (source.dimension == Dim) return false;
-        set.problems.push_back(source.path.string() +
-                               ": is of another dimension than the other templates; put the "
-                               "two kinds into folders of their own");
-        return true;
-    });
+    choose_dimension(folder, settings.dimension, scan.sources, set.problems, set.remarks);
     const std::size_t count = scan.sources.size();
     std::vector<std::optional<datasets::RawShape<Dim>>> raw(count);
     std::vector<std::string> problems(count);
@@ -114,21 +126,15 @@ bool is_study(const fs::path& folder) {
 
 int template_dimension(const fs::path& folder, const RunSettings& settings) {
     if (is_study(folder)) {
-        return ResultStore(StudyFolder(folder).store(), ResultStore::Access::read).fact("dimension") == "3" ? 3 : 2;
+        return ResultStore(StudyFolder(folder).store(), ResultStore::Access::glance).fact("dimension") == "3" ? 3 : 2;
     }
-    const auto sources = datasets::scan_folder(folder, {settings.labels}).sources;
-    const auto solids = std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; });
-    return 2 * static_cast<std::size_t>(solids) > sources.size() ? 3 : 2;
+    std::vector<std::string> ignored;  // said where they are read
+    auto sources = datasets::scan_folder(folder, {settings.labels}).sources;
+    return choose_dimension(folder, settings.dimension, sources, ignored, ignored);
 }
 
 template <int Dim>
 TemplateSet<Dim> load_templates(const fs::path& folder, const RunSettings& settings) {
-    if (!fs::is_directory(folder)) {
-        throw std::invalid_argument(folder.string() + (fs::exists(folder)
-                                                           ? ": is a file; --templates wants a folder of "
-                                                             "shapes or a study"
-                                                           : ": there is no such folder of templates"));
-    }
     TemplateSet<Dim> set = is_study(folder) ? from_store<Dim>(folder, settings) : from_files<Dim>(folder, settings);
     if (set.shapes.empty()) {
         throw std::invalid_argument(folder.string() + ": holds no shape that can be a template" +

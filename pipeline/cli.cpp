@@ -18,6 +18,7 @@
 #include "pipeline/commands/datasets.h"
 #include "pipeline/commands/figures.h"
 #include "pipeline/commands/solid_datasets.h"
+#include "pipeline/commands/summary.h"
 #include "pipeline/memory_limits.h"
 #include "pipeline/process_limits.h"
 #include "pipeline/standard_streams.h"
@@ -114,13 +115,15 @@ CommandLine::CommandLine(const RunSettings& defaults) {
                       "  morphodesic ingest letters\n"
                       "  morphodesic ingest scans --out study --normalize each --json",
                       &pipeline::ingest, true, false);
-    add_study_command("geodesics", "compute the geodesics that a study is missing.",
-                      preset_help() +
-                          "\nWithout options the settings are those the study was made with.\n"
-                          "Examples:\n"
-                          "  morphodesic geodesics letters.study\n"
-                          "  morphodesic geodesics letters.study --preset fine --threads 4",
-                      &pipeline::geodesics, false, true);
+    add_study_command(
+        "geodesics", "compute the geodesics that a study is missing.",
+        preset_help() +
+            "\nWithout options the settings are those the study was made with; a preset replaces level, steps,\n"
+            "tolerance and starts. How the files were read and placed stays.\n"
+            "Examples:\n"
+            "  morphodesic geodesics letters.study\n"
+            "  morphodesic geodesics letters.study --preset fine --threads 4",
+        &pipeline::geodesics, false, true);
     add_study_command("analyze", "distances, clusters and embedding of a study as CSV and NPY files.",
                       "Examples:\n"
                       "  morphodesic analyze letters.study\n"
@@ -322,7 +325,7 @@ void CommandLine::add_classify() {
             "transparency or a colour (--occluder), by the border that cuts it off (--border hides) or by the holes of "
             "a\n"
             "scan. --mask auto estimates it. Templates are a folder of shapes or a study; defaults are those of the\n"
-            "study, for a folder those of the preset fast.\n"
+            "study, whose shapes are taken as they were read and placed, for a folder those of the preset fast.\n"
             "Examples:\n"
             "  morphodesic classify query.png --templates letters\n"
             "  morphodesic classify query.png --templates letters.study --occluder \"#808080\"\n"
@@ -440,34 +443,25 @@ void CommandLine::add_shards() {
     joining->callback([this] { action = [this] { return pipeline::merge(shards); }; });
 }
 
-/// Defaults of the second pass: the preset if one is named, else what the study was made with, else the standard.
+/// Defaults of the second pass: what the study was made with, with the solver of the preset if one is named (how its
+/// files were read and placed is settled); without a study the preset alone.
 RunSettings defaults_after(const CommandLine& first) {
-    if (!first.preset.empty()) return settings_of_preset(first.preset);
-    if (!first.classify.templates.empty()) {
-        const std::string text = stored_settings(first.classify.templates);
-        return text.empty() ? settings_of_preset("fast") : settings_from_text(text);
+    const bool classifies = !first.classify.templates.empty();
+    const std::filesystem::path study = classifies                       ? first.classify.templates
+                                        : first.study.collection.empty() ? first.study.study
+                                                                         : std::filesystem::path{};
+    const std::string text = study.empty() ? "" : stored_settings(study);
+    if (text.empty()) {
+        return settings_of_preset(!first.preset.empty() ? first.preset : classifies ? "fast" : "standard");
     }
-    if (first.study.collection.empty() && !first.study.study.empty()) {
-        const std::string text = stored_settings(first.study.study);
-        if (!text.empty()) return settings_from_text(text);
-    }
-    return settings_of_preset("standard");
-}
-
-std::string quoted(const std::string& word) {
-    if (!word.empty() &&
-        word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./,+:@") ==
-            std::string::npos) {
-        return word;
-    }
-    std::string result = "'";
-    for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result + "'";
+    RunSettings settings = settings_from_text(text);
+    if (!first.preset.empty()) take_preset(settings, first.preset);
+    return settings;
 }
 
 int parse_and_run(std::vector<std::string> arguments) {
     std::string repeat = "morphodesic";
-    for (const std::string& word : arguments) repeat += " " + quoted(word);
+    for (const std::string& word : arguments) repeat += " " + shell_word(word);
     std::vector<ConfigOption> from_files;
     if (!arguments.empty()) arguments = with_config(std::move(arguments), from_files);
     const std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them

@@ -41,32 +41,6 @@ std::string placing_digest(const std::string& reading, const datasets::Normalize
                   std::to_string(placement.level));
 }
 
-/// Of the two dimensions the wanted one, else the one with more files (solids, if equally many: images beside meshes
-/// are often their textures); the others are left out, and that is said.
-int choose_dimension(const fs::path& folder, const std::string& wanted, std::vector<datasets::ShapeSource>& sources,
-                     std::vector<std::string>& left_out, std::vector<std::string>& remarks) {
-    const auto solids = static_cast<std::size_t>(
-        std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; }));
-    const std::size_t images = sources.size() - solids;
-    const int dimension = wanted == "2" ? 2 : wanted == "3" ? 3 : solids > 0 && solids >= images ? 3 : 2;
-    if (solids > 0 && images > 0 && wanted == "auto") {
-        remarks.push_back(folder.string() + " holds " + std::to_string(images) + " images and " +
-                          std::to_string(solids) + " solids; this study is made of the " +
-                          (dimension == 2 ? "images. To study the solids, or to say that the images are meant, give "
-                                            "--dimension 3 or 2."
-                                          : "solids. To study the images, or to say that the solids are meant, give "
-                                            "--dimension 2 or 3."));
-    }
-    std::erase_if(sources, [&](const datasets::ShapeSource& s) {
-        if (s.dimension == dimension) return false;
-        if (wanted != "auto") return true;
-        left_out.push_back(s.path.string() + ": is " + (dimension == 2 ? "a 3D" : "a 2D") + " shape among " +
-                           (dimension == 2 ? "images" : "3D shapes") + "; put the two kinds into folders of their own");
-        return true;
-    });
-    return dimension;
-}
-
 /// A file that is larger than anything that would be accepted is refused before all of it is read.
 void check_size(const CollectionEntry& entry, const datasets::ImportOptions& options) {
     std::error_code error;
@@ -179,6 +153,30 @@ std::string remark_on_origin(const fs::path& folder, const Collection& collectio
 }
 
 }  // namespace
+
+int choose_dimension(const fs::path& folder, const std::string& wanted, std::vector<datasets::ShapeSource>& sources,
+                     std::vector<std::string>& left_out, std::vector<std::string>& remarks) {
+    const auto solids = static_cast<std::size_t>(
+        std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.dimension == 3; }));
+    const std::size_t images = sources.size() - solids;
+    const int dimension = wanted == "2" ? 2 : wanted == "3" ? 3 : solids > 0 && solids >= images ? 3 : 2;
+    if (solids > 0 && images > 0 && wanted == "auto") {
+        remarks.push_back(folder.string() + " holds " + std::to_string(images) + " images and " +
+                          std::to_string(solids) + " solids; taken are the " +
+                          (dimension == 2 ? "images. To take the solids, or to say that the images are meant, give "
+                                            "--dimension 3 or 2."
+                                          : "solids. To take the images, or to say that the solids are meant, give "
+                                            "--dimension 2 or 3."));
+    }
+    std::erase_if(sources, [&](const datasets::ShapeSource& s) {
+        if (s.dimension == dimension) return false;
+        if (wanted != "auto") return true;
+        left_out.push_back(s.path.string() + ": is " + (dimension == 2 ? "a 3D" : "a 2D") + " shape among " +
+                           (dimension == 2 ? "images" : "3D shapes") + "; put the two kinds into folders of their own");
+        return true;
+    });
+    return dimension;
+}
 
 std::string problem_of_file(const std::string& path, const char* less_memory) {
     try {

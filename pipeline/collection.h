@@ -61,6 +61,13 @@ struct SizedName {
 [[nodiscard]] Collection prepare_collection(const std::filesystem::path& folder, const RunSettings& settings,
                                             const ResultStore& store, Progress& progress);
 
+/// Of the two dimensions the wanted one ("2", "3"), for "auto" the one with more files (solids, if equally many: images
+/// beside meshes are often their textures). The others leave `sources`; unless they were not wanted, `left_out` and
+/// `remarks` say so.
+int choose_dimension(const std::filesystem::path& folder, const std::string& wanted,
+                     std::vector<datasets::ShapeSource>& sources, std::vector<std::string>& left_out,
+                     std::vector<std::string>& remarks);
+
 /// Makes a collection that of the study: its folder, dimension and scale; files that are gone leave the store.
 void settle_collection(const std::filesystem::path& folder, const Collection& collection, ResultStore& store);
 

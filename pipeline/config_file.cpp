@@ -83,6 +83,16 @@ std::vector<ConfigOption> options_of_config(const std::string& file) {
 }
 
 std::vector<std::string> with_config(std::vector<std::string> arguments, std::vector<ConfigOption>& options) {
+    // --config FILE in front of the command is as good as behind it.
+    std::size_t command = 0;
+    while (command < arguments.size() && arguments[command].rfind("--config", 0) == 0) {
+        command += arguments[command] == "--config" ? 2 : 1;
+    }
+    if (command < arguments.size()) {
+        const auto first = arguments.begin();
+        std::rotate(first, first + static_cast<std::ptrdiff_t>(command),
+                    first + static_cast<std::ptrdiff_t>(command) + 1);
+    }
     std::vector<std::string> tokens;  // of several files in their order: the last word counts
     for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
         std::string file;

@@ -19,8 +19,9 @@ struct Summary;
 
 /// paths/, then the tables, report.json and report.html together, then figures/.
 /// @param summary  receives where the report is and how well the distances know the classes
-void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
-                   Progress& progress, Summary& summary);
+/// @return false if a signal stopped it: then the tables and the report are those of before
+[[nodiscard]] bool export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder,
+                                 const StudyOptions& options, Progress& progress, Summary& summary);
 
 /// The tables, report.json, report.html and figures/ of a complete model; the summary is told where they are.
 void write_report(RunFiles tables, const reports::ReportModel& model, const StudyFolder& folder, Summary& summary);

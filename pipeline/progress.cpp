@@ -151,11 +151,6 @@ void Progress::end_pairs() {
     }
 }
 
-double Progress::seconds_since_begin() const {
-    const std::scoped_lock lock(mutex_);
-    return clock_() - begin_;
-}
-
 void Progress::show_count(double now) {
     const double rate = static_cast<double>(done_) / std::max(now - begin_, 1e-9);
     char text[160];

@@ -59,8 +59,6 @@ public:
     void pair_done(bool has_distance, double seconds);
     void end_pairs();
 
-    [[nodiscard]] double seconds_since_begin() const;
-
 private:
     void show_count(double now);
     void clear_line();

@@ -14,6 +14,7 @@
 #include "pipeline/path_pictures.h"
 #include "pipeline/placed_queries.h"
 #include "pipeline/report_provenance.h"
+#include "pipeline/shape_cache.h"
 #include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_comparison.h"
@@ -23,16 +24,6 @@
 
 namespace morphodesic::pipeline {
 namespace {
-
-template <int Dim>
-ImportedShape<Dim> stored_shape(const StoredShape& row, const ResultStore& store) {
-    ImportedShape<Dim> shape;
-    shape.row = row;
-    ScalarField<Dim> mask;
-    shape.level_set = std::make_shared<const LevelSet<Dim>>(store.level_set<Dim>(row.content_digest, &mask));
-    if (!mask.values.empty()) shape.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
-    return shape;
-}
 
 /// Pictures of all shapes at one scale: that of the largest of them. Where that leaves most shapes as specks, each
 /// fills its picture, and the model says so.
@@ -80,7 +71,8 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                       const KeptSolids& kept, const StudyFolder& folder, const std::filesystem::path& below,
                       std::string& remark) {
     const std::string pair = g.a + " " + g.b + " " + g.settings_hash;
-    const std::string key = Dim == 2 ? "path 4 " + pair : "path 6 " + pair + " " + key_of(view);
+    const std::string beginning = (Dim == 2 ? "path 4 " : "path 6 ") + pair,
+                      key = Dim == 2 ? beginning : beginning + " " + key_of(view);
     const bool has_solids = Dim == 2 || kept.take(pair, below);
     if (const auto stored = store.picture(key); stored && has_solids) {
         DrawnPath drawn = unpack(*stored);
@@ -98,6 +90,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
     }
     DrawnPath drawn = draw_path(path, view);
     store.put_picture(key, pack(drawn));
+    store.remove_pictures(beginning, key);  // seen from other sides, before the collection changed
     if constexpr (Dim == 3) {
         write_path_solids(folder, below, path);
         kept.mark(pair, below);
@@ -116,7 +109,7 @@ std::string number_text(const char* format, double value) {
 template <int Dim>
 void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                Progress& progress, const StudyView& view, AnalysedStudy& analysed) {
-    const KeptSolids kept(folder);
+    KeptSolids kept(folder);
     reports::ReportModel& model = analysed.model;
     const auto chosen = choose_paths(model, options.paths);
     if (!chosen.empty()) progress.message("drawing " + std::to_string(chosen.size()) + " paths");
@@ -164,6 +157,8 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
         path.seconds = pair->seconds;
         path.motion = motion_text(*pair);
     });
+    if (StopSignals::caught() != 0) return;
+    kept.drop_rest();
     for (reports::PathReport& path : paths) {
         if (!path.frames.empty()) model.paths.push_back(std::move(path));
     }
@@ -174,13 +169,16 @@ void add_paths(const StudyData& data, ResultStore& store, const StudyFolder& fol
 
 }  // namespace
 
-void export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
+bool export_report(const StudyData& data, ResultStore& store, const StudyFolder& folder, const StudyOptions& options,
                    Progress& progress, Summary& summary) {
     AnalysedStudy analysed = analyse_study(data, options.analysis);
-    if (StopSignals::caught() != 0) return;
+    if (StopSignals::caught() != 0) return false;
     add_findings(data, options, analysed, summary);
     RunFiles tables = tables_of(data, analysed);
-    if (analysed.model.shapes.empty()) return folder.write_together(tables);
+    if (analysed.model.shapes.empty()) {
+        folder.write_together(tables);
+        return true;
+    }
     analysed.model.volumes = compare_with_volumes(data, analysed.analysis);
     analysed.model.volume_spread = volume_spread(data, analysed.analysis);
     with_dimension(data.dimension, [&]<int Dim>() {
@@ -188,12 +186,14 @@ void export_report(const StudyData& data, ResultStore& store, const StudyFolder&
         add_thumbnails<Dim>(data, store, view, analysed);
         add_paths<Dim>(data, store, folder, options, progress, view, analysed);
     });
+    if (StopSignals::caught() != 0) return false;
     if (const auto warning = store.fact("size_warning"); warning && !warning->empty()) {
         analysed.model.warnings.push_back(*warning);
     }
     if (!data.unfinished.empty()) analysed.model.warnings.push_back(data.unfinished);
     add_provenance(data, store, folder, options.analysis, analysed.model);
     write_report(std::move(tables), analysed.model, folder, summary);
+    return true;
 }
 
 void add_findings(const StudyData& data, const StudyOptions& options, AnalysedStudy& analysed, Summary& summary) {

@@ -274,7 +274,7 @@ struct ResultStore::Impl {
             database.execute("PRAGMA synchronous = FULL");
             database.execute("PRAGMA wal_autocheckpoint = 1000");
         }
-        expect_sound();
+        if (access != Access::glance) expect_sound();
         expect_tables();
         if (access == Access::write) database.execute("PRAGMA journal_mode = WAL");  // a copy may have lost that
     }
@@ -307,6 +307,16 @@ struct ResultStore::Impl {
             }
             find.reset();
         }
+    }
+    /// The caller holds the mutex.
+    void put_geodesic(const StoredGeodesic& g) const {
+        const std::string details = details_of(g);
+        Statement s =
+            database.prepare("INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        s.bind(1, g.a).bind(2, g.b).bind(3, g.settings_hash).bind(4, g.failure).bind(5, to_string(g.termination));
+        s.bind(6, g.path_length).bind(7, g.path_energy).bind(8, g.total_energy).bind(9, g.error);
+        s.bind(10, g.extrapolated_length).bind(11, g.min_det).bind(12, g.seconds).bind(13, details);
+        s.bind(14, row_checksum(g, details)).run();
     }
     /// The caller holds the mutex.
     void set_fact(std::string_view key, std::string_view value) const {
@@ -355,7 +365,7 @@ void expect_store(const fs::path& file) {
 }
 
 ResultStore::ResultStore(fs::path file, Access access) {
-    if (access == Access::read) expect_store(file);
+    if (access != Access::write) expect_store(file);
     refuse_lost_store(file);
     impl_ = std::make_unique<Impl>(std::move(file), access);
     impl_->open(access);
@@ -445,11 +455,6 @@ long ResultStore::lost_shapes() const {
     return sealed ? std::max(0L, std::stol(*sealed) - impl_->shapes_there()) : 0L;
 }
 
-bool ResultStore::has_level_set(std::string_view digest) const {
-    Statement s = impl_->database.prepare("SELECT 1 FROM level_sets WHERE digest = ?");
-    return s.bind(1, digest).step();
-}
-
 template <int Dim>
 void ResultStore::put_level_set(std::string_view digest, const LevelSet<Dim>& level_set, const ScalarField<Dim>& mask) {
     const std::string u = compress(level_set.values), chi = mask.values.empty() ? "" : compress(mask.values);
@@ -514,14 +519,15 @@ std::optional<std::string> ResultStore::settings(std::string_view hash) const {
 }
 
 void ResultStore::put_geodesic(const StoredGeodesic& g) {
-    const std::string details = details_of(g);
     const std::scoped_lock lock(impl_->mutex);
-    Statement s =
-        impl_->database.prepare("INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    s.bind(1, g.a).bind(2, g.b).bind(3, g.settings_hash).bind(4, g.failure).bind(5, to_string(g.termination));
-    s.bind(6, g.path_length).bind(7, g.path_energy).bind(8, g.total_energy).bind(9, g.error);
-    s.bind(10, g.extrapolated_length).bind(11, g.min_det).bind(12, g.seconds).bind(13, details);
-    s.bind(14, row_checksum(g, details)).run();
+    impl_->put_geodesic(g);
+}
+
+void ResultStore::put_geodesics(const std::vector<StoredGeodesic>& geodesics) {
+    const std::scoped_lock lock(impl_->mutex);
+    Transaction transaction(impl_->database);
+    for (const StoredGeodesic& g : geodesics) impl_->put_geodesic(g);
+    transaction.commit();
 }
 
 std::optional<StoredGeodesic> ResultStore::geodesic(std::string_view a, std::string_view b,
@@ -588,6 +594,12 @@ void ResultStore::put_picture(std::string_view key, std::string_view bytes) {
     const std::scoped_lock lock(impl_->mutex);
     Statement s = impl_->database.prepare("INSERT OR REPLACE INTO pictures VALUES(?, ?)");
     s.bind(1, key).bind_blob(2, std::string(bytes) + digest(bytes)).run();
+}
+
+void ResultStore::remove_pictures(std::string_view beginning, std::string_view kept) {
+    const std::scoped_lock lock(impl_->mutex);
+    Statement s = impl_->database.prepare("DELETE FROM pictures WHERE substr(key, 1, length(?1)) = ?1 AND key != ?2");
+    s.bind(1, beginning).bind(2, kept).run();
 }
 
 template StoredGeodesic to_record<2>(const GeodesicResult<2>&, std::string, std::string, std::string);

@@ -68,7 +68,11 @@ void expect_store(const std::filesystem::path& file);
 /// row is there completely or not at all. All methods throw StoreError; all may be called from several threads.
 class ResultStore {
 public:
-    enum class Access { read, write };
+    enum class Access {
+        glance,  ///< to read a fact or two: without the check that reads all of the file
+        read,
+        write
+    };
 
     /// Opens the store; with Access::write it is made if it is not there.
     /// @throws StoreError also for a file of another schema version and for a damaged file, std::invalid_argument as
@@ -96,7 +100,6 @@ public:
     [[nodiscard]] long lost_shapes() const;
 
     /// Level sets by content digest, as 32-bit floats.
-    [[nodiscard]] bool has_level_set(std::string_view digest) const;
     template <int Dim>
     void put_level_set(std::string_view digest, const LevelSet<Dim>& level_set, const ScalarField<Dim>& mask);
     /// @param mask  receives the occlusion mask (empty values if there is none) unless null
@@ -114,6 +117,8 @@ public:
     [[nodiscard]] std::optional<std::string> settings(std::string_view hash) const;
 
     void put_geodesic(const StoredGeodesic& geodesic);
+    /// All of them or, if that fails, none.
+    void put_geodesics(const std::vector<StoredGeodesic>& geodesics);
     [[nodiscard]] std::optional<StoredGeodesic> geodesic(std::string_view a, std::string_view b,
                                                          std::string_view settings_hash) const;
     /// Every row of these settings, sorted by (a, b). Damaged rows are left out and handed to on_damage, if any.
@@ -132,6 +137,8 @@ public:
     /// Pictures that were drawn already, by any key.
     [[nodiscard]] std::optional<std::string> picture(std::string_view key) const;
     void put_picture(std::string_view key, std::string_view bytes);
+    /// Forgets the pictures whose keys begin so, but for one.
+    void remove_pictures(std::string_view beginning, std::string_view kept);
 
 private:
     struct Impl;

@@ -78,18 +78,23 @@ const std::vector<Preset>& presets() {
     return all;
 }
 
-RunSettings settings_of_preset(const std::string& name) {
+void take_preset(RunSettings& settings, const std::string& name) {
     for (const Preset& preset : presets()) {
         if (name != preset.name) continue;
-        RunSettings settings;
         settings.preset = name;
         settings.geodesic.level = preset.level;
         settings.geodesic.time_steps = preset.time_steps;
         settings.geodesic.tolerance = preset.tolerance;
         settings.geodesic.starts = preset.starts;
-        return settings;
+        return;
     }
     throw std::invalid_argument("there is no preset \"" + name + "\"; choose fast, standard or fine");
+}
+
+RunSettings settings_of_preset(const std::string& name) {
+    RunSettings settings;
+    take_preset(settings, name);
+    return settings;
 }
 
 std::string canonical_text(const RunSettings& settings) {

@@ -63,7 +63,10 @@ struct Preset {
 };
 [[nodiscard]] const std::vector<Preset>& presets();
 
-/// The settings of a preset. @throws std::invalid_argument if there is no such preset
+/// Gives the settings what a preset says: level, steps, tolerance and starts; the rest stays as it is.
+/// @throws std::invalid_argument if there is no such preset
+void take_preset(RunSettings& settings, const std::string& name);
+/// The default settings with a preset. @throws std::invalid_argument if there is no such preset
 [[nodiscard]] RunSettings settings_of_preset(const std::string& name);
 
 /// One "name = value" line per field, valid TOML, doubles in the shortest form that reads back exactly. The text of

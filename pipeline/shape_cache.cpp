@@ -5,6 +5,16 @@
 namespace morphodesic::pipeline {
 
 template <int Dim>
+ImportedShape<Dim> stored_shape(StoredShape row, const ResultStore& store) {
+    ImportedShape<Dim> shape;
+    shape.row = std::move(row);
+    ScalarField<Dim> mask;
+    shape.level_set = std::make_shared<const LevelSet<Dim>>(store.level_set<Dim>(shape.row.content_digest, &mask));
+    if (!mask.values.empty()) shape.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
+    return shape;
+}
+
+template <int Dim>
 void ShapeCache<Dim>::insert(const std::string& digest, ImportedShape<Dim> shape) {
     const std::size_t bytes =
         sizeof(double) * (shape.level_set->values.size() + (shape.mask ? shape.mask->values.size() : 0));
@@ -40,15 +50,15 @@ ImportedShape<Dim> ShapeCache<Dim>::get(const std::string& digest) {
             return found->second.shape;
         }
     }
-    ImportedShape<Dim> shape;
-    shape.row.content_digest = digest;
-    ScalarField<Dim> mask;
-    shape.level_set = std::make_shared<const LevelSet<Dim>>(store_.level_set<Dim>(digest, &mask));
-    if (!mask.values.empty()) shape.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
+    StoredShape row;
+    row.content_digest = digest;
+    ImportedShape<Dim> shape = stored_shape<Dim>(std::move(row), store_);
     insert(digest, shape);
     return shape;
 }
 
+template ImportedShape<2> stored_shape<2>(StoredShape, const ResultStore&);
+template ImportedShape<3> stored_shape<3>(StoredShape, const ResultStore&);
 template class ShapeCache<2>;
 template class ShapeCache<3>;
 

@@ -12,6 +12,10 @@
 
 namespace morphodesic::pipeline {
 
+/// A shape as the store has it. @throws StoreError if it has no sound level set of it
+template <int Dim>
+[[nodiscard]] ImportedShape<Dim> stored_shape(StoredShape row, const ResultStore& store);
+
 /// Level sets of a study by content digest: those used last stay in memory, the others come from the store when they
 /// are needed. May be used from several threads.
 template <int Dim>

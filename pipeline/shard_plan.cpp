@@ -16,6 +16,10 @@ namespace {
 using nlohmann::json;
 constexpr int plan_version = 3;
 
+std::string id_of(const std::string& text) {
+    return digest(text).substr(0, 8);
+}
+
 }  // namespace
 
 std::vector<GeodesicKey> ShardPlan::geodesics_of(const Tile& tile) const {
@@ -60,13 +64,9 @@ std::string ShardPlan::text() const {
         .dump();
 }
 
-std::string ShardPlan::id() const {
-    return digest(text()).substr(0, 8);
-}
-
 std::string ShardPlan::result_name(int shard) const {
     char name[80];
-    std::snprintf(name, sizeof name, "%s-%04d-of-%04d.jsonl", id().c_str(), shard, shards);
+    std::snprintf(name, sizeof name, "%s-%04d-of-%04d.jsonl", id.c_str(), shard, shards);
     return name;
 }
 
@@ -115,6 +115,7 @@ ShardPlan make_plan(const ResultStore& store, const RunSettings& settings, const
         *least += load[t];
         plan.tiles[t].shard = static_cast<int>(least - total.begin()) + 1;
     }
+    plan.id = id_of(plan.text());
     return plan;
 }
 
@@ -156,6 +157,7 @@ ShardPlan read_plan(const ResultStore& plan_file) {
     for (const json& shape : j.at("shapes"))
         plan.shapes.emplace_back(shape[0].get<std::string>(), ShapeTraits{shape[1], shape[2], shape[3]});
     for (const json& t : j.at("tiles")) plan.tiles.push_back({t[1], t[2], t[3], t[4], t[0], t[5]});
+    plan.id = id_of(*text);
     return plan;
 }
 

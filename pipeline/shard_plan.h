@@ -35,11 +35,10 @@ struct ShardPlan {
     /// Those of a tile that are to be computed.
     [[nodiscard]] std::vector<GeodesicKey> missing_of(const Tile& tile) const;
     [[nodiscard]] std::string text() const;
-    /// Eight digits that tell plans apart.
-    [[nodiscard]] std::string id() const;
+    std::string id;  ///< eight digits that tell plans apart: the digest of the text
     [[nodiscard]] std::string result_name(int shard) const;
     /// What merge says at the end of a workflow.
-    [[nodiscard]] std::string merged_name() const { return "merged-" + id() + ".json"; }
+    [[nodiscard]] std::string merged_name() const { return "merged-" + id + ".json"; }
 };
 
 /// Tiles of what is missing in a store, in at most `shards` shards of about the same number of geodesics.

@@ -267,6 +267,18 @@ KeptSolids::KeptSolids(const StudyFolder& folder) : folder_(folder), aside_(fold
 }
 
 KeptSolids::~KeptSolids() {
+    std::error_code error;
+    for (const fs::path& path : path_folders_in(aside_)) {
+        const fs::path target = folder_.paths() / path.filename();
+        fs::create_directories(target, error);
+        empty_path_folder(path, [&](const fs::path& file) {
+            if (!fs::exists(target / file.filename(), error)) fs::rename(file, target / file.filename(), error);
+        });
+    }
+    drop_rest();
+}
+
+void KeptSolids::drop_rest() {
     remove_paths(aside_);
 }
 

@@ -39,12 +39,14 @@ class KeptSolids {
 public:
     /// Moves the files of the paths aside; whatever else lies in paths/ stays.
     explicit KeptSolids(const StudyFolder& folder);
-    /// Removes what nobody took.
+    /// Puts back what nobody took: the paths were not all drawn.
     ~KeptSolids();
     KeptSolids(const KeptSolids&) = delete;
     KeptSolids& operator=(const KeptSolids&) = delete;
     /// Moves the solids of a path to their new place; false if they are not there.
     [[nodiscard]] bool take(const std::string& key, const std::filesystem::path& below) const;
+    /// Removes what nobody took.
+    void drop_rest();
     /// Writes down whose solids lie in a folder.
     void mark(const std::string& key, const std::filesystem::path& below) const;
 

@@ -353,9 +353,11 @@ private:
 
 fs::path results_folder(const ClassifyCommandOptions& options) {
     if (!options.out.empty()) return options.out;
-    fs::path first = options.queries.empty() ? options.templates : options.queries.front();
+    fs::path first = (options.queries.empty() ? options.templates : options.queries.front()).lexically_normal();
     if (first.filename().empty()) first = first.parent_path();
-    return first.parent_path() / (first.stem().string() + ".classified");
+    if (first == "." || first.filename() == "..") first = fs::canonical(first);  // a name to put the ending to
+    const bool has_ending = !fs::is_directory(first) || first.extension() == ".study";
+    return first.parent_path() / ((has_ending ? first.stem() : first.filename()).string() + ".classified");
 }
 
 std::string percent(double share) {
@@ -445,8 +447,7 @@ int execute(const ClassifyCommandOptions& options, const QueryList& list, Progre
         classifier.classify_queries(list);
     }
     if (stopped()) {
-        std::cerr << "morphodesic: stopped; nothing was written\n";
-        return 128 + StopSignals::caught();
+        return stopped_by_signal("; nothing was written");
     }
     run.evaluate();
     const StudyFolder folder(results_folder(options));

@@ -72,7 +72,9 @@ int figures(const FiguresOptions& options) {
     std::vector<Figure> done;
     bool failed = false, missed = false;
     for (const FigureKind* kind : kinds) {
-        if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+        if (StopSignals::caught() != 0) {
+            return stopped_by_signal("; " + std::to_string(done.size()) + " figures are in " + options.out.string());
+        }
         if (!options.common.quiet) std::cerr << "figure " << kind->key << ": " << kind->title << std::endl;
         const auto begin = std::chrono::steady_clock::now();
         nlohmann::ordered_json entry{{"figure", kind->key}};
@@ -123,8 +125,8 @@ int figures(const FiguresOptions& options) {
     }
     summary.data["gallery"] = (options.out / "gallery.html").string();
     summary.lines.push_back("gallery  " + (options.out / "gallery.html").string());
-    const int code = summary.print(options.common);
-    return failed || missed ? some_failed : code;
+    if (failed || missed) summary.exit_code = some_failed;
+    return summary.print(options.common);
 }
 
 }  // namespace morphodesic::pipeline

@@ -53,6 +53,24 @@ ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::No
     return result;
 }
 
+/// Frames, solids and, of a good path, the picture of the pair. Returns the names of the files.
+/// @param last  name of the file of the last shape
+template <int Dim>
+std::vector<std::string> write_pictures(const StudyFolder& folder, const GeodesicResult<Dim>& path,
+                                        const std::string& last, bool is_good) {
+    SolidView view;
+    if constexpr (Dim == 3) view = view_of_path(path, last);
+    std::vector<std::string> files = write_path_files(folder, "", draw_path(path, view));
+    if constexpr (Dim == 3) {
+        const std::vector<std::string> solids = write_path_solids(folder, "", path);
+        files.insert(files.end(), solids.begin(), solids.end());
+    }
+    if (is_good) {
+        for (std::string& name : write_pair_pictures(folder.path(), path, view)) files.push_back(std::move(name));
+    }
+    return files;
+}
+
 template <int Dim>
 int solve(const PairOptions& options, const datasets::ShapeSource& source_a, const datasets::ShapeSource& source_b) {
     if (options.scale > 0 && options.settings.normalize != "common") {
@@ -83,7 +101,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     GeodesicResult<Dim> path;
     StoredGeodesic result = solve_pair<Dim>(
         a, b, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
-    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    if (StopSignals::caught() != 0) return stopped_by_signal("; nothing was written");
 
     Summary summary;
     summary.data = to_json(result);
@@ -106,24 +124,19 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
                       to_string(result.termination), duration_text(result.seconds).c_str());
         summary.lines.emplace_back(text);
     }
-    if (!options.out.empty() && !path.shapes.empty()) {
+    if (!options.out.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
         const StudyLock lock(folder);
         remove_former_pictures(folder.path());
-        SolidView view;
-        if constexpr (Dim == 3) view = view_of_path(path, b.row.name);
-        std::vector<std::string> files = write_path_files(folder, "", draw_path(path, view));
-        if constexpr (Dim == 3) {
-            const std::vector<std::string> solids = write_path_solids(folder, "", path);
-            files.insert(files.end(), solids.begin(), solids.end());
-        }
-        if (problem.empty()) {
-            for (std::string& name : write_pair_pictures(folder.path(), path, view)) files.push_back(std::move(name));
-        }
+        const std::vector<std::string> files = path.shapes.empty()
+                                                   ? std::vector<std::string>{}
+                                                   : write_pictures(folder, path, b.row.name, problem.empty());
         summary.data["pictures"] = files;
         folder.write(result_file, summary.data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-        summary.lines.push_back("pictures      " + folder.path().string());
+        summary.lines.push_back(!files.empty()    ? "pictures      " + folder.path().string()
+                                : problem.empty() ? "no pictures: the two shapes are equal"
+                                                  : "no pictures: there is no path");
     }
     return summary.print(options.common);
 }

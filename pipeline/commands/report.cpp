@@ -17,6 +17,7 @@
 #include "pipeline/given_matrix.h"
 #include "pipeline/pair_graph.h"
 #include "pipeline/report_provenance.h"
+#include "pipeline/shape_cache.h"
 #include "pipeline/stop_signals.h"
 
 namespace morphodesic::pipeline {
@@ -125,7 +126,7 @@ int analyse_and(const StudyOptions& options, const Write& write) {
     const Subject subject(options);
     Summary summary = summary_of(subject.data, subject.folder);
     AnalysedStudy analysed = analyse_study(subject.data, options.analysis);
-    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    if (StopSignals::caught() != 0) return stopped_by_signal("; nothing was written");
     add_findings(subject.data, options, analysed, summary);
     if (is_table(options)) add_provenance_of_table(options, subject.folder, analysed.model);
     write(subject, tables_of(subject.data, analysed), analysed.model, summary);
@@ -173,8 +174,9 @@ int report(const StudyOptions& options) {
     if (!options.labels.empty()) label_shapes(data, options.labels);
     Summary summary = summary_of(data, folder);
     Progress progress(Progress::style_of_stderr(options.common.quiet));
-    export_report(data, store, folder, options, progress, summary);
-    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    if (!export_report(data, store, folder, options, progress, summary)) {
+        return stopped_by_signal("; tables and report are as they were");
+    }
     summary.add_failures(data.failures);
     return summary.print(options.common);
 }
@@ -212,12 +214,7 @@ int verify(const StudyOptions& options) {
                          1);
     with_dimension(data.dimension, [&]<int Dim>() {
         const auto shape = [&](const std::string& digest) {
-            ImportedShape<Dim> result;
-            result.row = data.shapes[by_digest.at(digest)];
-            ScalarField<Dim> mask;
-            result.level_set = std::make_shared<const LevelSet<Dim>>(store.level_set<Dim>(digest, &mask));
-            if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
-            return result;
+            return stored_shape<Dim>(data.shapes[by_digest.at(digest)], store);
         };
         for (const StoredGeodesic* row : chosen) {
             const StoredGeodesic& stored = *row;
@@ -235,7 +232,7 @@ int verify(const StudyOptions& options) {
         }
     });
     progress.end_pairs();
-    if (StopSignals::caught() != 0) return 128 + StopSignals::caught();
+    if (StopSignals::caught() != 0) return stopped_by_signal("");
     summary.data = {{"study", folder.path().string()}, {"checked", checked}, {"differing", differing.size()}};
     summary.lines.push_back(
         std::to_string(checked) + " pairs computed again: " +

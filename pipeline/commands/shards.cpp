@@ -32,12 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string quoted(const std::string& word) {
-    std::string result = "'";
-    for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result + "'";
-}
-
 fs::path this_program() {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -59,13 +53,13 @@ long shard_megabytes(const ShardPlan& plan) {
 }
 
 std::string slurm_script(const ShardPlan& plan, const fs::path& folder, const fs::path& study) {
-    const std::string program = quoted(this_program().string()), at = quoted(folder.string());
+    const std::string program = shell_word(this_program().string()), at = shell_word(folder.string());
     return "#!/bin/bash\n"
            "# Computes a morphodesic study: sbatch " +
            std::string("shards.slurm") +
            "\n"
            "# Then: " +
-           program + " merge " + quoted(study.string()) +
+           program + " merge " + shell_word(study.string()) +
            "\n"
            "#SBATCH --job-name=morphodesic\n"
            "#SBATCH --array=1-" +
@@ -104,7 +98,7 @@ std::string makeflow_text(const ShardPlan& plan) {
 /// take those of this plan for done. Also where the rules of this plan were done, but the store lost what they
 /// computed.
 void remove_stale_logs(const ShardPlan& plan, const fs::path& folder) {
-    const std::string id = plan.id();
+    const std::string id = plan.id;
     bool stale = fs::exists(folder / plan.merged_name());
     std::ifstream log(folder / "shards.makeflow.makeflowlog");
     for (std::string line; !stale && std::getline(log, line);) {
@@ -180,29 +174,29 @@ struct MergedRows {
 /// @param digests  of the shapes of the study
 void merge_rows(const std::vector<StoredGeodesic>& rows, const std::string& settings,
                 const std::set<std::string>& digests, ResultStore& store, MergedRows& merged) {
-    std::map<GeodesicKey, StoredGeodesic> there;
-    for (StoredGeodesic& row : store.geodesics(settings)) {
-        GeodesicKey key(row.a, row.b);
-        there.emplace(std::move(key), std::move(row));
-    }
+    std::map<GeodesicKey, StoredGeodesic> taken;  // what goes into the store
     for (const StoredGeodesic& row : rows) {
         if (!digests.contains(row.a) || !digests.contains(row.b)) {
             ++merged.strangers;
             continue;
         }
-        const auto found = there.find({row.a, row.b});
-        if (found == there.end()) {
+        const auto before = taken.find({row.a, row.b});
+        const std::optional<StoredGeodesic> there =
+            before != taken.end() ? before->second : store.geodesic(row.a, row.b, settings);
+        if (!there) {
             ++merged.added;
         } else {
             ++merged.known;
-            const bool same = found->second.path_length == row.path_length ||
-                              (std::isnan(found->second.path_length) && std::isnan(row.path_length));
+            const bool same = there->path_length == row.path_length ||
+                              (std::isnan(there->path_length) && std::isnan(row.path_length));
             if (!same) ++merged.differing;
-            if (same || stays(found->second, row)) continue;
+            if (same || stays(*there, row)) continue;
         }
-        store.put_geodesic(row);
-        there.insert_or_assign(GeodesicKey(row.a, row.b), row);
+        taken.insert_or_assign(GeodesicKey(row.a, row.b), row);
     }
+    std::vector<StoredGeodesic> rows_taken;
+    for (auto& [key, row] : taken) rows_taken.push_back(std::move(row));
+    store.put_geodesics(rows_taken);
 }
 
 template <int Dim>
@@ -272,7 +266,7 @@ int plan(const ShardOptions& options) {
     write_plan(plan, store, shards / "plan.sqlite");
     summary.data = {{"study", folder.path().string()},
                     {"plan", (shards / "plan.sqlite").string()},
-                    {"id", plan.id()},
+                    {"id", plan.id},
                     {"shards", plan.shards},
                     {"tiles", plan.tiles.size()},
                     {"pairs", missing},
@@ -288,7 +282,7 @@ int plan(const ShardOptions& options) {
     if (options.format == "slurm") {
         folder.write("shards/shards.slurm", slurm_script(plan, shards, folder.path()));
         summary.data["script"] = (shards / "shards.slurm").string();
-        summary.lines.push_back("Hand it in with: sbatch " + quoted((shards / "shards.slurm").string()));
+        summary.lines.push_back("Hand it in with: sbatch " + shell_word((shards / "shards.slurm").string()));
     } else if (options.format == "makeflow") {
         fs::remove(shards / "morphodesic", error);  // it may be running: a new file, not new bytes in the old one
         fs::copy_file(this_program(), shards / "morphodesic", error);
@@ -296,13 +290,13 @@ int plan(const ShardOptions& options) {
         remove_stale_logs(plan, shards);
         folder.write("shards/shards.makeflow", makeflow_text(plan));
         summary.data["script"] = (shards / "shards.makeflow").string();
-        summary.lines.push_back("Compute it with: cd " + quoted(shards.string()) +
+        summary.lines.push_back("Compute it with: cd " + shell_word(shards.string()) +
                                 " && makeflow -T local shards.makeflow");
     } else {
-        summary.lines.push_back("Compute each with: morphodesic shard " + quoted(folder.path().string()) + " I/" +
+        summary.lines.push_back("Compute each with: morphodesic shard " + shell_word(folder.path().string()) + " I/" +
                                 std::to_string(plan.shards));
     }
-    summary.lines.push_back("Then: morphodesic merge " + quoted(folder.path().string()));
+    summary.lines.push_back("Then: morphodesic merge " + shell_word(folder.path().string()));
     std::vector<StudyFailure> damaged;  // their pairs are not in the plan
     for (const StoredShape& shape : store.shapes()) {
         if (shape.damaged) damaged.push_back({shape.name, "", shape.problem});
@@ -346,9 +340,7 @@ int shard(const ShardOptions& options) {
         return solve_shard<Dim>(plan, number, store, out, memory, progress, failed);
     });
     if (StopSignals::caught() != 0) {
-        std::cerr << "morphodesic: stopped; what is finished is in " << result.string()
-                  << ". To go on, give the same command again\n";
-        return 128 + StopSignals::caught();
+        return stopped_by_signal("; what is finished is in " + result.string());
     }
     Summary summary;
     summary.data = {{"result", result.string()},
@@ -388,6 +380,7 @@ int merge(const ShardOptions& options) {
     std::vector<StudyFailure> problems;
     std::vector<std::pair<std::string, std::string>> left_out;  // and what to do if it is missing
     long added = 0, known = 0;
+    std::size_t usable = 0;
     for (const fs::path& file : files) {
         const ShardResults results = read_shard_results(file);
         if (!results.problem.empty()) {
@@ -411,6 +404,7 @@ int merge(const ShardOptions& options) {
                                                 "the study it was planned for"});
             continue;
         }
+        ++usable;
         added += merged.added;
         known += merged.known;
         if (results.damaged > 0) {
@@ -455,10 +449,11 @@ int merge(const ShardOptions& options) {
                               (data.pairs_missing == 1 ? " pair is still missing" : " pairs are still missing") +
                               (data.levels.size() > 1 ? " in this round of the screening; plan it with: morphodesic "
                                                         "plan " +
-                                                            quoted(folder.path().string()) + " --shards N"
+                                                            shell_word(folder.path().string()) + " --shards N"
                                                       : ""));
     } else {
-        summary.lines.push_back("All pairs are there. Report: morphodesic report " + quoted(folder.path().string()));
+        summary.lines.push_back("All pairs are there. Report: morphodesic report " +
+                                shell_word(folder.path().string()));
     }
     // A workflow ends well with a complete round of a screening, though another one may follow.
     const bool round_there = data.levels.size() > 1 && plan_is_done(folder.path() / "shards" / "plan.sqlite", store);
@@ -476,6 +471,7 @@ int merge(const ShardOptions& options) {
     for (const StudyFailure& failure : data.failures) problems.push_back(failure);
     summary.add_failures(problems);
     if (all_there && options.accept_failures) summary.exit_code = all_done;
+    if (usable == 0) summary.exit_code = bad_usage;
     return summary.print(options.common);
 }
 

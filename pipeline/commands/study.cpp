@@ -137,14 +137,11 @@ double add_seconds(ResultStore& store, double seconds) {
 }
 
 int stopped(const StudyOptions& options, const PairGraphSummary& done) {
-    std::cerr << "morphodesic: stopped" << (done.pairs_total == 0 ? " before the first pair" : "");
-    if (done.pairs_total > 0) {
-        std::cerr << "; " << done.pairs_stored + done.pairs_solved << " of " << done.pairs_total
-                  << " pairs are in the store";
-    }
-    std::cerr << ". To go on, give the same command again" << (options.command.empty() ? "" : ": " + options.command)
-              << "\n";
-    return 128 + StopSignals::caught();
+    return stopped_by_signal(done.pairs_total == 0
+                                 ? " before the first pair"
+                                 : "; " + std::to_string(done.pairs_stored + done.pairs_solved) + " of " +
+                                       std::to_string(done.pairs_total) + " pairs are in the store",
+                             options.command);
 }
 
 /// The end of a run of which no file could be used; the study is as it was before.
@@ -276,7 +273,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
     if (solve) summary.add_missing_pairs(data, at.folder.path());
     if (with_report) {
-        export_report(data, *at.store, at.folder, options, at.progress, summary);
+        if (!export_report(data, *at.store, at.folder, options, at.progress, summary)) return stopped(options, done);
     } else {
         summary.lines.push_back("Study: " + at.folder.path().string());
     }
@@ -299,7 +296,7 @@ int geodesics(const StudyOptions& options) {
 std::string stored_settings(const fs::path& study) {
     const StudyFolder folder(study);
     if (!fs::exists(folder.store())) return "";
-    return ResultStore(folder.store(), ResultStore::Access::read).fact("settings").value_or("");
+    return ResultStore(folder.store(), ResultStore::Access::glance).fact("settings").value_or("");
 }
 
 }  // namespace morphodesic::pipeline

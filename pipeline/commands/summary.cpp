@@ -8,6 +8,7 @@
 
 #include "pipeline/process_limits.h"
 #include "pipeline/standard_streams.h"
+#include "pipeline/stop_signals.h"
 
 namespace morphodesic::pipeline {
 
@@ -109,6 +110,23 @@ int Summary::print(const CommonOptions& options) {
         }
     }
     return exit_code;
+}
+
+int stopped_by_signal(const std::string& state, const std::string& again) {
+    std::cerr << "morphodesic: stopped" << state << ". To go on, give the same command again"
+              << (again.empty() ? "" : ": " + again) << "\n";
+    return 128 + StopSignals::caught();
+}
+
+std::string shell_word(const std::string& word) {
+    if (!word.empty() &&
+        word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./,+:@") ==
+            std::string::npos) {
+        return word;
+    }
+    std::string result = "'";
+    for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
 }
 
 int thread_count(const CommonOptions& options) {

@@ -38,6 +38,13 @@ private:
     std::vector<std::string> shortfalls_;
 };
 
+/// Says that a signal stopped the command, and in what state; returns the exit code.
+/// @param again  the command to go on with; empty: "the same command"
+int stopped_by_signal(const std::string& state, const std::string& again = "");
+
+/// A word of a command line as a shell takes it.
+[[nodiscard]] std::string shell_word(const std::string& word);
+
 /// Number of threads that --threads N means. @throws std::runtime_error if the system does not let them start
 [[nodiscard]] int thread_count(const CommonOptions& options);
 

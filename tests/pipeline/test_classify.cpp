@@ -310,6 +310,25 @@ TEST(Classify, QueriesThatFailedAreNamedBesideTheShareOfRightAnswers) {
                                 "1", "more with a known class could not be classified: right are 1 of all 2")));
 }
 
+TEST(Classify, AStudyAsTemplatesIsNotSaidToBeReadInAnotherWay) {
+    const tests::TemporaryFolder folder;
+    const std::string letters = (folder / "letters").string(), study = letters + ".study";
+    ASSERT_EQ(run_program({"datasets", "letters", "--out", letters, "--count", "4", "--quiet"}), 0);
+    ASSERT_EQ(run_program({"ingest", letters, "--level", "4", "--steps", "1", "--quiet"}), 0);
+    const auto classify = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"classify", letters, "--templates", study, "--no-calibrate", "--quiet"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_program(words);
+    };
+    EXPECT_EQ(classify({}), 0);
+    EXPECT_TRUE(std::filesystem::exists(letters + ".classified/classification.csv"));
+    EXPECT_EQ(classify({"--occluder", "#808080", "--preset", "fast", "--level", "4"}), 0);
+    for (const std::vector<std::string>& more :
+         {std::vector<std::string>{"--normalize", "each"}, {"--foreground", "light"}, {"--dimension", "3"}}) {
+        EXPECT_EQ(classify(more), 2) << more.front();
+    }
+}
+
 TEST(Classify, BadUsageIsExitCodeTwo) {
     const tests::TemporaryFolder folder;
     EXPECT_EQ(run_program({"classify", "nothing.png", "--templates", (folder / "no").string(), "--quiet"}), 2);

@@ -52,6 +52,8 @@ TEST(ConfigFile, ItsOptionsComeBeforeThoseOfTheCommandLineAndBehindTheCommand) {
               (Words{"datasets", "--config=" + file, "bars", "--size=64", "--size", "32"}));
     EXPECT_EQ(with_config({"datasets", "--config", file}), (Words{"datasets", "--size=64", "--config", file}));
     EXPECT_EQ(with_config({"run", "--", "--config"}), (Words{"run", "--", "--config"}));
+    EXPECT_EQ(with_config({"--config", file, "run", "letters"}),
+              (Words{"run", "--size=64", "--config", file, "letters"}));
     // Of several files all count, in their order.
     tests::write_file(folder / "d.toml", "size = 96\nseed = 2\n");
     const std::string other = (folder / "d.toml").string();

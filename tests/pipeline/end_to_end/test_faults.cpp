@@ -87,6 +87,42 @@ TEST_F(StoppedStudy, InterruptStopsInGoodOrderAndSaysHowToGoOn) {
     expect_resumed(4);
 }
 
+TEST_F(StoppedStudy, AReportThatIsStoppedLeavesTheOneBefore) {
+    ASSERT_EQ(morphodesic(command("study")).code, 0);
+    const fs::path study = folder_ / "study";
+    const std::string before = read_file(study / "report.html"), table = read_file(study / "clusters.csv");
+    ASSERT_EQ(morphodesic({"report", study.string(), "--paths", "1", "--quiet"}).code, 0);
+    const std::string good = read_file(study / "report.html");
+    ASSERT_NE(good, before);
+    // Enough paths to draw that the stop comes in their middle.
+    BackgroundRun run({"report", study.string(), "--paths", "all", "--threads", "1"});
+    const auto drawn = [&] {
+        std::error_code error;  // for a moment the folder may not be there
+        return std::distance(fs::directory_iterator(study / "paths", error), fs::directory_iterator()) >= 2;
+    };
+    for (int i = 0; i < 6000 && !drawn(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    run.signal(SIGINT);
+    const Outcome stopped = run.wait();
+    EXPECT_EQ(stopped.code, 128 + SIGINT);
+    EXPECT_THAT(stopped.err, HasSubstr("report are as they were"));
+    EXPECT_EQ(read_file(study / "report.html"), good);
+    EXPECT_EQ(read_file(study / "clusters.csv"), table);
+    EXPECT_FALSE(fs::exists(study / "paths.old"));
+    auto all = command("study");
+    *std::find(all.begin(), all.end(), "none") = "all";
+    BackgroundRun again(all);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    again.signal(SIGINT);
+    const Outcome ended = again.wait();  // somewhere on its way, or done already
+    if (ended.code != 0) {
+        EXPECT_EQ(ended.code, 128 + SIGINT);
+        EXPECT_THAT(ended.err, HasSubstr("give the same command again"));
+        EXPECT_EQ(read_file(study / "report.html"), good);
+    }
+    EXPECT_EQ(morphodesic(all).code, 0);
+    EXPECT_EQ(json::parse(read_file(study / "report.json"))["paths"].size(), 36u);
+}
+
 TEST_F(StoppedStudy, TerminateIsTheSameAsInterrupt) {
     BackgroundRun run(command("stopped"));
     ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 1));

@@ -375,15 +375,16 @@ TEST_F(Shards, RefuseWhatDoesNotBelongToTheStudy) {
     const std::string other = (folder / "other.study").string();
     ASSERT_EQ(morphodesic({"ingest", men(), "--out", other, "--level", "4", "--steps", "1", "--quiet"}).code, 0);
     const Outcome foreign = morphodesic({"merge", other, file});
-    EXPECT_EQ(foreign.code, 1);
+    EXPECT_EQ(foreign.code, 2);  // nothing of it could be used
     EXPECT_THAT(foreign.out, HasSubstr("settings"));
+    EXPECT_EQ(morphodesic({"merge", study(), (folder / "resutl.jsonl").string()}).code, 2);
     EXPECT_EQ(stored_rows(other), 0);
     std::string bytes = read_file(file);
     const std::string revision = "\"solver_revision\":";
     bytes.insert(bytes.find(revision) + revision.size(), "9");
     write_file(file, bytes);
     const Outcome newer = morphodesic({"merge", study(), file});
-    EXPECT_EQ(newer.code, 1);
+    EXPECT_EQ(newer.code, 2);
     EXPECT_THAT(newer.out, HasSubstr("another version"));
     EXPECT_EQ(stored_rows(study()), 0);
 }

@@ -137,12 +137,19 @@ TEST(SolidStudy, ImagesAmongMeshesAreSaidAndMayBeChosen) {
     };
     const Outcome unsaid = with({});
     EXPECT_EQ(unsaid.code, 1);
-    EXPECT_THAT(unsaid.err, HasSubstr("2 images and 2 solids; this study is made of the solids"));
+    EXPECT_THAT(unsaid.err, HasSubstr("2 images and 2 solids; taken are the solids"));
     EXPECT_THAT(unsaid.err, HasSubstr("--dimension 2"));
     const Outcome images = with({"--dimension", "2", "--out", (folder / "images").string()});
     EXPECT_EQ(images.code, 0) << images.err;
     EXPECT_EQ(json::parse(images.out)["shapes"], 2);
     EXPECT_EQ(with({"--dimension", "4"}).code, 2);
+    // The same rule for templates.
+    write_file(folder / "mixed/labels.csv", "file,label\ndisk-01.png,a\ndisk-02.png,b\n");
+    const Outcome classified =
+        morphodesic(quick({"classify", (folder / "disks/disk-01.png").string(), "--templates",
+                           (folder / "mixed").string(), "--dimension", "2", "--no-calibrate", "--json", "--quiet"}));
+    EXPECT_EQ(classified.code, 0) << classified.err;
+    EXPECT_EQ(json::parse(classified.out)["template_count"], 2);
 }
 
 TEST(SolidStudy, SizesInDifferentUnitsAreSaid) {

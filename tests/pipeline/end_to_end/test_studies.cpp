@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -183,6 +184,32 @@ TEST(Study, SettingsNeverMixAndOldResultsStay) {
     EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), bytes);
 }
 
+TEST(Study, APresetChangesTheSolverAndNotHowTheFilesWereRead) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    const std::string disks = (folder / "disks").string(), study = (folder / "disks.study").string();
+    ASSERT_EQ(morphodesic({"run", disks, "--preset", "standard", "--level", "4", "--steps", "2", "--normalize", "each",
+                           "--foreground", "dark", "--both-directions", "--align", "none", "--quiet"})
+                  .code,
+              0);
+    const Outcome other = morphodesic({"geodesics", study, "--preset", "fast", "--json", "--quiet"});
+    ASSERT_EQ(other.code, 0) << other.err;
+    EXPECT_EQ(json::parse(other.out)["geodesics"], 6);  // both directions of three pairs
+    ASSERT_EQ(morphodesic({"report", study, "--quiet"}).code, 0);
+    std::map<std::string, std::string> settings;
+    const json report = json::parse(read_file(fs::path(study) / "report.json"));
+    for (const auto& entry : report["settings"]) {
+        settings[entry["name"]] =
+            entry["value"].is_string() ? entry["value"].get<std::string>() : entry["value"].dump();
+    }
+    EXPECT_THAT(report["geodesic_options"], testing::Contains("--preset=fast"));
+    EXPECT_EQ(settings["normalize"], "each");
+    EXPECT_EQ(settings["foreground"], "dark");
+    EXPECT_EQ(settings["align"], "none");
+    EXPECT_EQ(settings["both-directions"], "true");
+    EXPECT_NE(settings["level"], "4");
+}
+
 TEST(Study, TheFourStepsGiveTheSameAsRun) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
@@ -312,6 +339,16 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
     EXPECT_TRUE(fs::exists(folder / "path/step-01.png"));
     EXPECT_FALSE(fs::exists(folder / "path/step-02.png"));
     EXPECT_TRUE(fs::exists(folder / "path/step-99.png"));
+    // Equal shapes have no path to draw; the result is that of this pair all the same.
+    fs::copy_file(folder / "disks/disk-01.png", folder / "copy.png");
+    const Outcome equal = morphodesic(quick({"geodesic", (folder / "disks/disk-01.png").string(),
+                                             (folder / "copy.png").string(), "--out", (folder / "path").string()}));
+    EXPECT_EQ(equal.code, 0) << equal.err;
+    EXPECT_THAT(equal.out, HasSubstr("no pictures"));
+    EXPECT_FALSE(fs::exists(folder / "path/step-00.png"));
+    const json written = json::parse(read_file(folder / "path/geodesic.json"));
+    EXPECT_EQ(written["path_length"], 0.0);
+    EXPECT_THAT(written["b"].get<std::string>(), HasSubstr("copy.png"));
 }
 
 TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
