@@ -35,11 +35,18 @@ void prepare_collection_folder(const fs::path& folder, const std::set<std::strin
     std::error_code error;
     fs::create_directories(folder, error);
     if (!fs::is_directory(folder)) throw WriteError(folder);
+    std::string table;  // that belongs to shapes
+    bool known_shapes = false;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
+        if (name == "labels.csv" || name == "parameters.csv" || name == "truth.csv") table = name;
+        known_shapes = known_shapes || names.contains(name);
         if (entry.is_regular_file(error) && shape_dimension(entry.path()) != 0 && !names.contains(name)) {
             throw ReadError(folder, "the folder holds another shape (" + name + ")", "name a new or an empty folder");
         }
+    }
+    if (!table.empty() && !known_shapes) {
+        throw ReadError(folder, "the folder holds a " + table + " of something else", "name a new or an empty folder");
     }
 }
 

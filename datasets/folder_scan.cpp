@@ -21,6 +21,12 @@ namespace {
 constexpr const char* mask_ending = ".mask.png";
 constexpr const char* label_file = "labels.csv";
 
+/// As with all endings, case does not matter.
+bool ends_as_mask(std::string name) {
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name.ends_with(mask_ending);
+}
+
 /// Label by the file's name: before the last '-' or '_'; without them before the digits at the end.
 std::string label_of_name(const std::string& stem) {
     const std::size_t separator = stem.find_last_of("-_");
@@ -122,7 +128,7 @@ private:
             problem(entry.path(), "this is a pipe, a socket or a device, not a file", "copy what it holds into a file");
             return;
         }
-        if (file_name.ends_with(mask_ending)) {
+        if (ends_as_mask(file_name)) {
             masks_.push_back({folder.prefix + file_name.substr(0, file_name.size() - 9), entry.path()});
             return;
         }

@@ -63,8 +63,8 @@ ImageHeader tiff(std::string_view bytes) {
         const auto tag = number(bytes, at, 2, big_endian), type = number(bytes, at + 2, 2, big_endian);
         const int size = type == 3 ? 2 : type == 16 ? 8 : 4;
         const auto value = [&] { return double(number(bytes, at + (big_tiff ? 12 : 8), size, big_endian)); };
-        if (tag == 256) header.width = value();
-        if (tag == 257) header.height = value();
+        if (tag == 256 && header.width == 0.0) header.width = value();  // the first one counts
+        if (tag == 257 && header.height == 0.0) header.height = value();
     }
     const std::size_t next = directory + (big_tiff ? 8 : 2) + entries * entry_size, size = big_tiff ? 8 : 4;
     if (entries < 65536 && next <= bytes.size() - size) {

@@ -1,7 +1,8 @@
 #include "datasets/image_pixels.h"
 
+#include <zlib.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include "datasets/image_header.h"
 #include "datasets/muted_errors.h"
 #include "datasets/read_error.h"
+#include "datasets/tiff_check.h"
 
 namespace morphodesic::datasets {
 
@@ -43,20 +45,6 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
     std::uint32_t result = 0;
     for (std::size_t i = 0; i < 4; ++i) result = result << 8 | static_cast<unsigned char>(bytes[at + i]);
     return result;
-}
-
-std::uint32_t crc32(std::string_view bytes) {
-    static const auto table = [] {
-        std::array<std::uint32_t, 256> t{};
-        for (std::uint32_t n = 0; n < 256; ++n) {
-            t[n] = n;
-            for (int k = 0; k < 8; ++k) t[n] = (t[n] & 1U) != 0 ? 0xedb88320U ^ (t[n] >> 1) : t[n] >> 1;
-        }
-        return t;
-    }();
-    std::uint32_t crc = 0xffffffffU;
-    for (const char c : bytes) crc = table[(crc ^ static_cast<unsigned char>(c)) & 0xffU] ^ (crc >> 8);
-    return crc ^ 0xffffffffU;
 }
 
 /// The orientation (1 to 8) that Exif data tell of the picture they come with; 1, as it lies, if they do not.
@@ -96,7 +84,9 @@ cv::Mat turned(const cv::Mat& mat, int orientation) {
 /// The chunks of a PNG that make up its pixels, after a check that all are there and undamaged. libpng would print its
 /// complaints (also harmless ones about colour profiles) to stderr, and texts and profiles may be bombs of their own.
 /// @param orientation  receives that of its Exif data, if it has any
-std::string pixel_chunks(const std::filesystem::path& file, std::string_view bytes, int& orientation) {
+/// @param notes        receives a sentence if it is an animation
+std::string pixel_chunks(const std::filesystem::path& file, std::string_view bytes, int& orientation,
+                         std::vector<std::string>& notes) {
     std::string result(bytes.substr(0, 8));
     for (std::size_t at = 8;;) {
         if (bytes.size() - at < 12) throw ReadError(file, "the PNG is cut off", again);
@@ -105,12 +95,14 @@ std::string pixel_chunks(const std::filesystem::path& file, std::string_view byt
         const std::string_view kind = bytes.substr(at + 4, 4), chunk = bytes.substr(at, length + 12);
         const bool critical = (kind[0] & 0x20) == 0;
         if (critical || kind == "tRNS") {
-            if (crc32(bytes.substr(at + 4, length + 4)) != big_endian(bytes, at + 8 + length)) {
+            const auto* checked = reinterpret_cast<const Bytef*>(bytes.data() + at + 4);
+            if (crc32_z(0, checked, length + 4) != big_endian(bytes, at + 8 + length)) {
                 throw ReadError(file, "the PNG is damaged (check sum of a chunk)", again);
             }
             result += chunk;
         }
         if (kind == "eXIf") orientation = exif_orientation(bytes.substr(at + 8, length));
+        if (kind == "acTL") notes.emplace_back("The file is an animation: only its first picture is used.");
         if (kind == "IEND") return result;
         at += length + 12;
     }
@@ -227,8 +219,9 @@ PixelImage read_pixels(const std::filesystem::path& file, double max_megapixels,
     if (header.format == ImageFormat::tiff && header.several)
         notes.emplace_back("The file has several pages: only the first is used.");
     int orientation = 1;  // that of JPEG and TIFF is applied by OpenCV
-    if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes, orientation);
+    if (header.format == ImageFormat::png) bytes = pixel_chunks(file, bytes, orientation, notes);
     if (header.format == ImageFormat::jpeg) require_complete_jpeg(file, bytes);
+    if (header.format == ImageFormat::tiff) require_sound_tiff(file, bytes, header.width, header.height);
     if (header.format == ImageFormat::pnm && bytes[1] <= '3') complete_text_pnm(file, bytes, header);
     cv::Mat decoded;
     try {

@@ -40,7 +40,26 @@ Coverage read_mask(const ShapeSource& source, const PixelImage& image, const Imp
         if (mask.has_alpha()) value *= mask.at(p)[mask.channels - 1] / mask.max_value;
         hidden.values[p] = static_cast<float>(value);
     }
+    // Masks that programs write as numbers are 0 and 1, of 255 or 65535.
+    const auto [low, high] = std::minmax_element(hidden.values.begin(), hidden.values.end());
+    const float darkest = *low, brightest = *high;
+    const bool two = std::all_of(hidden.values.begin(), hidden.values.end(),
+                                 [&](float v) { return v == darkest || v == brightest; });
+    if (two && darkest == 0.0F && brightest > 0.0F && brightest <= 0.5F) {
+        for (float& v : hidden.values) v = v > 0.0F ? 1.0F : 0.0F;
+        notes.emplace_back("The mask has two tones, black and a dark one: the dark one is what is hidden.");
+    }
     return hidden;
+}
+
+/// Some programs write a fourth channel with nothing in it.
+bool has_empty_alpha(const PixelImage& image) {
+    if (!image.has_alpha()) return false;
+    const auto alpha = [&](std::size_t p) { return image.at(p)[image.channels - 1]; };
+    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+        if (alpha(p) != alpha(0)) return false;
+    }
+    return alpha(0) < 0.5 * image.max_value;
 }
 
 /// What is known to be hidden within the image: by the mask beside it and by the occluder's colour.
@@ -85,7 +104,11 @@ RawShape<2> read_shape_2d(const ShapeSource& source, const ImportOptions& option
     Coverage coverage;
     HiddenPixels hidden;
     {
-        const PixelImage image = read_pixels(source.path, options.max_megapixels, notes);
+        PixelImage image = read_pixels(source.path, options.max_megapixels, notes);
+        if (has_empty_alpha(image)) {
+            image = without_alpha(image);
+            notes.emplace_back("Its alpha channel is the same everywhere and is left out.");
+        }
         hidden.pixels = hidden_within(source, image, options, notes);
         // Transparency cannot tell both the object and what hides it.
         const bool by_colour = options.occluder == "alpha" && options.foreground == "auto";

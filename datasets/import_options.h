@@ -35,7 +35,8 @@ struct ImportOptions {
               "widest hole of a surface that is closed, as a share of the object's size");
         visit("noise", self.noise, "noise of scanned surfaces: smooth (only what is noise, not detail) or keep");
         visit("mirror", self.mirror, "solids to be mirrored: names or patterns with *, separated by commas");
-        visit("isovalue", self.isovalue, "value at the surface of a volume; inside is above it");
+        visit("isovalue", self.isovalue,
+              "value at the surface of a volume; inside is above it (of a VDB level set below)");
         visit("inside", self.inside,
               "the object of a voxel volume: above the isovalue, below it, or auto (above, unless its border is)");
         visit("max-megabytes", self.max_megabytes, "refuse solids whose files are larger than this many megabytes");
@@ -47,6 +48,6 @@ struct ImportOptions {
 
 /// Part of what says whether a stored solid is that of its file. To be raised when a change of the readers or of the
 /// repair changes solids, so that a study reads its files again and does not mix both.
-inline constexpr int solid_reader_revision = 6;
+inline constexpr int solid_reader_revision = 7;
 
 }  // namespace morphodesic::datasets

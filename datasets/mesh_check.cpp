@@ -47,7 +47,10 @@ CheckedMesh check_obj(const fs::path& file, std::string_view content) {
     std::string joined;
     while (!scan.done()) {
         std::string_view line = scan.line();
-        if (line.ends_with('\\')) {
+        std::string_view rest = line;
+        const std::string_view first = TextScan::word(rest);
+        // Elsewhere it ends a path or a comment.
+        if (line.ends_with('\\') && (first == "v" || first == "f")) {
             joined.assign(line.substr(0, line.size() - 1));
             while (!scan.done()) {
                 const std::string_view next = scan.line();

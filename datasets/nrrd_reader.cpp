@@ -38,7 +38,9 @@ public:
         for (TextScan scan(text); !scan.done();) {
             const std::string_view line = scan.line();
             const std::size_t at = line.find(separator);
-            if (line.starts_with('#') || at == std::string_view::npos || line.substr(at, 2) == ":=") continue;
+            if (line.starts_with('#') || at == std::string_view::npos) continue;
+            // "key:=value" tells what is no field; keys may have colons of their own.
+            if (separator == ':' && line.find(":=") < line.find(": ")) continue;
             std::string name = lower(line.substr(0, at));
             std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
             if (!values_.emplace(name, trimmed(line.substr(at + 1))).second) {
@@ -103,15 +105,16 @@ void read_numbers(const fs::path& file, const std::string& own_content, const Nu
     }
     if (!where.file_name.empty()) {
         // A header names what lies beside it: nothing else of this machine is read on its word.
-        if (fs::path(where.file_name).filename() != where.file_name || where.file_name == "." ||
-            where.file_name == "..") {
+        std::string name = where.file_name;
+        while (name.starts_with("./")) name.erase(0, 2);
+        if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
             refuse(file, "its numbers are said to be in \"" + where.file_name + "\", which is not a file beside it",
                    "put both files into one folder and name the file without a folder");
         }
-        holder = file.parent_path() / where.file_name;
+        holder = file.parent_path() / name;
         std::error_code error;
         if (!fs::exists(holder, error)) {
-            refuse(file, "its numbers are in \"" + where.file_name + "\", and there is no such file beside it",
+            refuse(file, "its numbers are in \"" + name + "\", and there is no such file beside it",
                    "copy that file too");
         }
         other = file_content(holder, max_megabytes);
@@ -300,9 +303,9 @@ Volume read_metaimage(const fs::path& file, double max_megabytes) {
     layout.big_endian = fields.is_true("binarydatabyteordermsb") || fields.is_true("elementbyteordermsb");
     check_layout(file, layout, max_megabytes);
     Numbers where;
-    where.packing = !fields.is_true("binarydata")      ? Packing::text
-                    : fields.is_true("compresseddata") ? Packing::packed
-                                                       : Packing::raw;
+    where.packing = lower(fields.get("binarydata", "true")) != "true" ? Packing::text
+                    : fields.is_true("compresseddata")                ? Packing::packed
+                                                                      : Packing::raw;
     where.file_name = fields.get("elementdatafile");
     if (lower(where.file_name) == "local") where.file_name.clear();
     where.offset = end + 1;

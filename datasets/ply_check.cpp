@@ -224,6 +224,10 @@ CheckedMesh check_ply(const fs::path& file, std::string_view content) {
         }
         if (is_point && *std::min_element(axis.begin(), axis.end()) < 0) refuse(file, "its points have no x, y and z");
         if (is_point && !result.points.empty()) refuse(file, "its header has two lists of points");
+        if (is_face && element.count > 0 &&
+            std::none_of(element.properties.begin(), element.properties.end(), is_index_list)) {
+            throw ReadError(file, "its faces have no list vertex_indices", "export it again with the usual names");
+        }
         for (std::size_t i = 0; i < element.count; ++i) {
             interruption_point(i);
             Vector3 point{};

@@ -154,6 +154,17 @@ std::vector<Vector3> read_pcd(const fs::path& file, std::string_view content, st
     return points;
 }
 
+/// Digits, which an exponent may follow.
+bool is_fraction(std::string_view text) {
+    constexpr std::string_view digits = "0123456789";
+    const std::size_t end = std::min(text.find_first_not_of(digits), text.size());
+    if (end == 0 || end == text.size()) return end > 0;
+    if (text[end] != 'e' && text[end] != 'E') return false;
+    text.remove_prefix(end + 1);
+    if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+    return !text.empty() && text.find_first_not_of(digits) == std::string_view::npos;
+}
+
 /// The first three numbers of a line, cut apart at blanks, tabs and semicolons. A comma between digits of the words
 /// they leave is a decimal sign; in a line that they do not cut in three it parts numbers.
 struct Line {
@@ -163,9 +174,8 @@ struct Line {
         for (int i = 0; i < 3; ++i) {
             const std::string_view word = TextScan::word(rest);
             const std::size_t comma = word.find(',');
-            const bool is_between = comma != std::string_view::npos && comma > 0 && comma + 1 < word.size() &&
-                                    word.find_first_not_of("0123456789", comma + 1) == std::string_view::npos &&
-                                    word[comma - 1] >= '0' && word[comma - 1] <= '9';
+            const bool is_between = comma != std::string_view::npos && comma > 0 && word[comma - 1] >= '0' &&
+                                    word[comma - 1] <= '9' && is_fraction(word.substr(comma + 1));
             if (word.empty() || (comma != std::string_view::npos && !is_between)) {
                 has_decimal_commas = false;
                 break;

@@ -281,7 +281,10 @@ std::optional<double> CommonView::longest() const {
 View CommonView::view() const {
     View view;
     view.up_axis = up_axis_;
-    if (const auto direction = longest()) view.azimuth = *direction + 90.0 - 25.0;  // else any side is as good
+    if (const auto direction = longest()) {  // else any side is as good
+        // In steps, so that one solid more does not turn, and draw anew, all pictures by a share of a degree.
+        view.azimuth = 5.0 * std::round((*direction + 90.0 - 25.0) / 5.0);
+    }
     return view;
 }
 

@@ -122,6 +122,9 @@ RawShape<3> read_shape_3d(const ShapeSource& source, const ImportOptions& option
         file.mesh.points = read_point_cloud(source.path, options.max_megabytes, file.notes);
     } else if (is_vdb(source.path)) {
         file.mesh = read_vdb_surface(source.path, options.isovalue, options.max_megabytes, file.notes);
+        if (options.inside != "auto") {
+            file.notes.emplace_back("--inside has no effect: a VDB grid says itself on which side the object is.");
+        }
         is_level = true;
     } else if (is_volume(source.path)) {
         Volume volume = read_volume(source.path, options.max_megabytes);

@@ -49,7 +49,8 @@ int write(const DatasetOptions& options, const std::string& kind, const Generato
     summary.lines.push_back(std::to_string(drawings.size()) + " shapes in " + folder.string());
     if (options.hide_limbs) {
         datasets::write_hidden_limbs(drawings, folder, options.side, options.collection.seed);
-        summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates MEN");
+        summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() +
+                                " --templates FOLDER of whole ones, made by: morphodesic datasets matchstick");
         return summary.print(options.common);
     }
     datasets::write_collection(folder, drawings, options.side);
@@ -108,7 +109,7 @@ void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
         ->capture_default_str();
     sub->add_option("--seed", options.occlusion.seed, "another seed, other queries")->capture_default_str();
     sub->add_option("--per-shape", options.occlusion.per_shape, "queries made from every shape")
-        ->check(CLI::Range(1, 100000))
+        ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     sub->add_option("--direction", options.occlusion.direction,
                     "half-plane: side on which the hidden part lies, x,y (y up) or x,y,z; default: random")
@@ -117,15 +118,17 @@ void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
     sub->add_flag("--largest-part", options.occlusion.largest_part, "hide all of what is left but its largest part");
     sub->add_option("--labels", options.reading.labels, "where labels come from: auto, csv, folder, name or none")
         ->capture_default_str();
-    sub->add_option("--foreground", options.reading.import.foreground, "pixels that are the object")
-        ->check(CLI::IsMember({"auto", "dark", "light", "alpha"}))
-        ->capture_default_str();
+    datasets::ImportOptions::for_each_field(options.reading.import,
+                                            [&](const std::string& name, auto& field, const char* help) {
+                                                sub->add_option("--" + name, field, help)->capture_default_str();
+                                            });
     sub->add_flag("--json", options.common.json, "print the summary as one JSON object on standard output");
     sub->add_flag("--quiet", options.common.quiet, "no summary in words");
     sub->callback([choose, &options] {
         choose([&options] {
-            const auto problems = options.occlusion.problems();
-            if (!problems.empty()) throw std::invalid_argument(problems.front());
+            for (const auto& problems : {options.occlusion.problems(), options.reading.import.problems()}) {
+                if (!problems.empty()) throw std::invalid_argument(problems.front());
+            }
             return write_queries(options);
         });
     });

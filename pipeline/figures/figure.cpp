@@ -5,19 +5,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "datasets/csv_rows.h"
+
 namespace morphodesic::pipeline {
 namespace {
 
-std::string cell(const std::string& text) {
-    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
-}
-
 std::string line(const std::vector<std::string>& cells) {
     std::string text;
-    for (std::size_t i = 0; i < cells.size(); ++i) text += (i > 0 ? "," : "") + cell(cells[i]);
+    for (std::size_t i = 0; i < cells.size(); ++i) text += (i > 0 ? "," : "") + datasets::csv_field(cells[i]);
     return text + "\n";
 }
 

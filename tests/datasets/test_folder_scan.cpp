@@ -100,10 +100,13 @@ TEST(FolderScan, LabelsCsvOverrulesFolders) {
 
 TEST(FolderScan, MasksBelongToTheShapeBesideThem) {
     const tests::TemporaryFolder folder;
-    for (const char* name : {"q/a.jpg", "q/a.mask.png", "q/lost.mask.png"}) folder.write(name, "x");
+    for (const char* name : {"q/a.jpg", "q/a.mask.png", "q/b.jpg", "q/b.MASK.PNG", "q/lost.mask.png"}) {
+        folder.write(name, "x");
+    }
     const ScanResult result = scan_folder(folder.path());
-    ASSERT_THAT(names(result), ElementsAre("q/a.jpg"));
+    ASSERT_THAT(names(result), ElementsAre("q/a.jpg", "q/b.jpg"));
     EXPECT_EQ(result.sources[0].mask_path, folder / "q/a.mask.png");
+    EXPECT_EQ(result.sources[1].mask_path, folder / "q/b.MASK.PNG");
     ASSERT_THAT(result.notes, SizeIs(1));
     EXPECT_THAT(result.notes[0], HasSubstr("lost.mask.png"));
     EXPECT_EQ(single_source(folder / "q/a.jpg").mask_path, folder / "q/a.mask.png");

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <iostream>
 
@@ -74,14 +76,50 @@ TEST(ImageDamage, TextPnmNeedsNoLastLineEndAndDamageInItIsNotPrinted) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+/// A TIFF of 16 x 16 pixels in one strip, with further tags.
+std::string tiff_file(const std::string& strip, const std::vector<std::array<std::uint32_t, 2>>& more) {
+    std::vector<std::array<std::uint32_t, 2>> tags{
+        {256, 16}, {257, 16}, {273, 8}, {278, 16}, {279, std::uint32_t(strip.size())}};
+    tags.insert(tags.end(), more.begin(), more.end());
+    std::stable_sort(tags.begin(), tags.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+    const auto le16 = [](std::uint32_t v) { return le32(v).substr(0, 2); };
+    std::string tiff = "II*\0"s + le32(8 + std::uint32_t(strip.size())) + strip + le16(std::uint32_t(tags.size()));
+    for (const auto& tag : tags) tiff += le16(tag[0]) + le16(4) + le32(1) + le32(tag[1]);
+    return tiff + le32(0);
+}
+
+TEST(ImageDamage, ATiffIsReadWholeOrNotAtAll) {
+    const tests::TemporaryFolder folder;
+    std::string pixels(16 * 16, '\xff'), packed(1000, '\0');
+    for (std::size_t k = 0; k < 64; ++k) pixels[16 * (4 + k / 8) + 4 + k % 8] = '\0';
+    const auto deflated = [&](std::size_t count) {
+        uLongf size = packed.size();
+        compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(pixels.data()), count);
+        return packed.substr(0, size);
+    };
+    const std::vector<std::array<std::uint32_t, 2>> grey{{258, 8}, {259, 8}, {262, 1}, {277, 1}};
+    EXPECT_EQ(complaint(folder.write("whole.tif", tiff_file(deflated(256), grey))), "");
+    testing::internal::CaptureStderr();
+    EXPECT_THAT(complaint(folder.write("half.tif", tiff_file(deflated(128), grey))), HasSubstr("cannot be unpacked"));
+    std::string flipped = deflated(256);
+    flipped[flipped.size() / 2] = static_cast<char>(flipped[flipped.size() / 2] ^ 0x55);
+    EXPECT_THAT(complaint(folder.write("flipped.tif", tiff_file(flipped, grey))), HasSubstr("cannot be unpacked"));
+    EXPECT_THAT(complaint(folder.write("planes.tif", tiff_file(std::string(6 * 256, '\0'),
+                                                               {{258, 16}, {259, 1}, {262, 2}, {277, 3}, {284, 2}}))),
+                HasSubstr("separate planes"));
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    ImportOptions small;  // of a tag that comes twice the first counts, as for the decoder
+    small.max_megapixels = 0.0001;
+    EXPECT_THAT(
+        complaint(folder.write("twice.tif",
+                               tiff_file(deflated(256), {{256, 4}, {257, 4}, {258, 8}, {259, 8}, {262, 1}, {277, 1}})),
+                  small),
+        HasSubstr("16 x 16"));
+}
+
 TEST(ImageDamage, WhatTheDecoderDoesNotKnowIsSaidOnceAndWithTheName) {
     // A TIFF of 16 x 16 floats of 16 bits: OpenCV prints what it throws of it, without a name.
-    const std::vector<std::array<std::uint32_t, 2>> tags{{256, 16}, {257, 16}, {258, 16}, {259, 1},   {262, 1},
-                                                         {273, 8},  {277, 1},  {278, 16}, {279, 512}, {339, 3}};
-    const auto le16 = [](std::uint32_t v) { return le32(v).substr(0, 2); };
-    std::string tiff = "II*\0"s + le32(8 + 512) + std::string(512, '\0') + le16(std::uint32_t(tags.size()));
-    for (const auto& tag : tags) tiff += le16(tag[0]) + le16(4) + le32(1) + le32(tag[1]);
-    tiff += le32(0);
+    const std::string tiff = tiff_file(std::string(512, '\0'), {{258, 16}, {259, 1}, {262, 1}, {277, 1}, {339, 3}});
     const tests::TemporaryFolder folder;
     testing::internal::CaptureStderr();
     EXPECT_THAT(complaint(folder.write("half.tiff", tiff)), HasSubstr("of an unusual kind"));

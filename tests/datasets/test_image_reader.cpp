@@ -198,6 +198,11 @@ TEST(ImageReader, TransparencyTellsTheObjectWhereTheBorderIsTransparent) {
     channels = {white, white, white, black};
     cv::merge(channels, image);
     EXPECT_THROW(read(save(folder / "nothing.png", image)), ReadError);
+    channels = {alpha, alpha, alpha, black};  // as of programs that leave the fourth byte empty
+    cv::merge(channels, image);
+    const RawShape<2> empty = read(save(folder / "empty.png", image));
+    EXPECT_LT(disk_error(empty, 47.3, 50.6, 25.4), 0.1);
+    EXPECT_THAT(empty.notes, ElementsAre(HasSubstr("alpha channel")));
     write_gif(folder / "transparent.gif", toned(disk_picture(96, 47.3, 50.6, 25.4, 1), 7, 200), 7);
     EXPECT_LT(disk_error(read(folder / "transparent.gif"), 47.3, 50.6, 25.4), 0.5);
 }
@@ -261,6 +266,9 @@ TEST(ImageReader, TheMaskBesideAnImageTellsWhereItIsHidden) {
     EXPECT_EQ(chi.values[chi.grid.index({64, 0})], 0.0);
     EXPECT_NEAR(chi.values[chi.grid.index({40, 32})], 0.5, 0.2);
     EXPECT_NE(shape.digest, open);
+    save(folder / "q.mask.png", mask / 255);  // 0 and 1, as programs write truth values
+    EXPECT_EQ(normalize(read(file), {"none", 0.0, 6}).digest, shape.digest);
+    EXPECT_THAT(read(file).notes, Contains(HasSubstr("two tones")));
     save(folder / "q.mask.png", mask(cv::Rect(0, 0, 32, 64)));
     EXPECT_THROW(read(file), ReadError);
 }

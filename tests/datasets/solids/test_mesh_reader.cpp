@@ -95,12 +95,12 @@ TEST(MeshReader, EveryByteMayBeginAFile) {
 
 TEST(MeshReader, ObjDialects) {
     const FileFolder folder;
-    std::string text = "mtllib ../../outside.mtl\r\no part\r\ng group\r\nusemtl skin\r\n";
+    std::string text = "# from C:\\scans\\\r\nmtllib ../../outside.mtl\r\no part\r\ng group\r\nusemtl skin\r\n";
     for (const auto& p : box.points) {
         text += "v " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + " 1 0 0\r\n";
     }
     text += "vt 0 0\r\nvn 0 0 1\r\nf 1/1/1 3/1/1 4/1/1 2/1/1\r\nf -4//1 -3//1 -1//1 \\\r\n -2//1\r\n";
-    text += "f 1 2 6 5\r\nf 3 7 8 4\r\nf 1 5 7 3\r\nf 2 4 8 6 # quads\r\nl 1 2\r\nf 1 2\r\n";
+    text += "f 1 2 6 5\r\ng D:\\\r\nf 3 7 8 4\r\nf 1 5 7 3\r\nf 2 4 8 6 # quads\r\nl 1 2\r\nf 1 2\r\n";
     MeshFile file = read_mesh(folder.write("quads.obj", text));
     clean(file.mesh);
     EXPECT_EQ(file.mesh.triangles.size(), 12U);
@@ -226,6 +226,16 @@ TEST(MeshReader, PointsWithoutFacesAreACloud) {
         const MeshFile file = read_mesh(folder.write(format + ".ply", ply_file(cloud, format)));
         EXPECT_TRUE(file.mesh.triangles.empty());
         EXPECT_EQ(file.mesh.points, box.points) << format;
+    }
+    // Faces under another name are faces all the same: not a cloud.
+    std::string odd = ply_file(box, "ascii");
+    const std::size_t at = odd.find("vertex_ind");
+    odd.replace(at, odd.find('\n', at) - at, "corners");
+    try {
+        static_cast<void>(read_mesh(folder.write("odd.ply", odd)));
+        ADD_FAILURE() << "was read";
+    } catch (const ReadError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("no list vertex_indices"));
     }
 }
 

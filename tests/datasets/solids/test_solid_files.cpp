@@ -104,6 +104,7 @@ TEST(PointCloudReader, DecimalCommasAreToldFromSeparators) {
     EXPECT_EQ(read("0,5;1,0;1,5\n-2;0,25;8\n3;4;5\n", true), three);
     EXPECT_EQ(read("0,5\t1,0\t1,5\r\n-2,0\t0,25\t8,0\r\n3\t4\t5\r\n", true), three);
     EXPECT_EQ(read("0,5 1,0 1,5 255\n-2,0 0,25 8,0 0\n3 4 5 0\n", true), three);
+    EXPECT_EQ(read("5,0e-1 1,0 1,5\n-2,0 2,5E-01 8,0e+0\n3 4 5\n", true), three);
     EXPECT_EQ(read("0.5,1,1.5\n-2,0.25,8,7,7\n3,4,5\n", false), three);
     EXPECT_EQ(read("0.5, 1, 1.5\n-2 ,0.25 ,8\n3, 4 5\n", false), three);
     EXPECT_EQ(read("0.5,1,1.5;7\n-2;0.25;8\n3,4,5\t9\t9\n", false), three);

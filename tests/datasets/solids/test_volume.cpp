@@ -141,6 +141,11 @@ TEST(Volume, EveryFormatGivesTheSameBallInMillimetres) {
         {"gzip.nrrd", nrrd("encoding: gzip\nendian: little", packed(shorts, as_gzip))},
         {"text.nrrd", nrrd("encoding: text", text)},
         {"detached.nhdr", nrrd("encoding: raw\nendian: little\ndata file: numbers.raw", "", "float")},
+        {"beside.nhdr", nrrd("encoding: raw\nendian: little\nDICOM_0008:0020:=1\nDICOM_0008:0021:=a: 2\n"
+                             "data file: ./numbers.raw",
+                             "", "float")},
+        {"beside.mhd", metaimage("BinaryData = True", "./numbers.raw", "")},
+        {"unsaid.mhd", metaimage("Comment = binary, as MetaIO takes it", "numbers.raw", "")},
         {"local.mha", metaimage("BinaryData = True\nBinaryDataByteOrderMSB = False", "LOCAL", floats)},
         {"raw.mhd", metaimage("BinaryData = True", "numbers.raw", "")},
         {"packed.mhd", metaimage("BinaryData = True\nCompressedData = True", "numbers.zraw", "")}};
