@@ -30,8 +30,8 @@ constexpr int start_level = 4;
 constexpr int search_steps = 2, settled_steps = 4;
 // From so many time steps on, what one iteration gains shrinks with their number, and so must the tolerance.
 constexpr int many_steps = 8;
-// Up to so many, a path may leave a good part of the way to the mismatch.
-constexpr int few_steps = 2;
+// With a smaller weight of the mismatch per step a path may leave a good part of the way to it.
+constexpr double firm_weight = 25.0;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -118,12 +118,7 @@ private:
     ScalarField<Dim> mask_on(const RigidMotion<Dim>& motion, int level) const {
         if (mask_.values.empty()) return {};
         if (options_.align == "none") return restricted(mask_, level);
-        // Outside the cube nothing is hidden.
-        ScalarField<Dim> inverted = mask_;
-        for (double& v : inverted.values) v = 1.0 - v;
-        ScalarField<Dim> result = moved(inverted, motion, level);
-        for (double& v : result.values) v = std::clamp(1.0 - v, 0.0, 1.0);
-        return result;
+        return carried_mask(mask_, Similarity<Dim>{motion}, level);  // as the alignment sees it
     }
 
     /// The shapes between are renewed from the two ends where that lowers the energy.
@@ -399,23 +394,34 @@ private:
     }
 
     /// The error is first order in the width of the rim (a step may drift by a share of it for little mismatch), so two
-    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). The bar is 1.75 times that
-    /// correction (on the closed forms the order is a little below one before the limit), what is left of the time
-    /// steps, and what the tolerance leaves.
+    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). Where the length falls with
+    /// the rim, it is material in the tails of H_eps that is moved along: that part of l^2 is first order, and may be
+    /// most of it where a thin shape bends. The bar is 1.75 times that correction (on the closed forms the order is a
+    /// little below one before the limit), what is left of the time steps, and what the tolerance leaves.
     ///
-    /// One or two long steps rather leave a good part d of the way to the mismatch, eta c d^2. Where the sum of both is
-    /// least, E = l (l + d), so d = E / l - l (too much where the mismatch saturates). With two steps that is so where
-    /// shapes grow, whose material of before has to fill what is new; elsewhere the doubling tells.
+    /// Long steps rather leave a part d of the way to the mismatch, eta c d^2. Where the sum of both is least,
+    /// E = l (l + d), so d = E / l - l (too much where the mismatch saturates; E without the area term). All of it
+    /// counts where one step or a soft mismatch allows it, else as much as the shape grows, whose material of before
+    /// has to fill what is new; the rest is told by the doubling. Of a shape that is partly hidden growth is not known.
     void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
         const double length = result.path_length;
-        const double rest = (length - wide_length) * options_.rim_width / (wide_rim() - options_.rim_width);
+        const double factor = options_.rim_width / (wide_rim() - options_.rim_width);
+        double rest = factor * (length - wide_length);
+        if (rest < 0) {
+            const double square = length * length + factor * (length * length - wide_length * wide_length);
+            rest = std::sqrt(std::max(0.0, square)) - length;
+        }
         result.extrapolated_length = length + rest;
         result.error = 1.75 * std::abs(rest) + (share_in_time(result.levels) + options_.tolerance) * length;
-        if (options_.time_steps > few_steps || !(length > 0)) return;
+        if (!(length > 0)) return;
         const auto volume = [](const LevelSet<Dim>& u) { return enclosed_volume(u.grid, u.values.data()); };
         const double grown = 1.0 - volume(result.shapes.front()) / volume(result.shapes.back());
-        const double share = options_.time_steps == 1 ? 1.0 : std::max(0.0, grown);
-        result.error = std::max(result.error, share * (result.total_energy / length - length));
+        const int steps = options_.time_steps;
+        const bool all = steps == 1 || options_.eta(steps) < firm_weight * steps;
+        const double share = all ? 1.0 : mask_.values.empty() ? std::max(0.0, grown) : 0.0;
+        double energy = result.path_energy;
+        for (const double mismatch : result.mismatch_energy) energy += options_.eta(steps) * mismatch;
+        result.error = std::max(result.error, share * (energy / length - length));
     }
 
     const LevelSet<Dim>& a_;
@@ -425,6 +431,44 @@ private:
     const GeodesicObserver& observer_;
     const LevelSet<Dim> coarse_a_;
 };
+
+/// Whether any part of the contour lies where the mask does not hide it.
+template <int Dim>
+bool shows_contour(const LevelSet<Dim>& u, const ScalarField<Dim>& mask) {
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const auto node = u.grid.node(i);
+        for (int a = 0; a < Dim; ++a) {
+            if (node[static_cast<std::size_t>(a)] + 1 >= u.grid.nodes(a)) continue;
+            const std::size_t next = i + u.grid.stride(a);
+            const bool crosses = (u.values[i] > 0) != (u.values[next] > 0);
+            if (crosses && (mask.values[i] > 0 || mask.values[next] > 0)) return true;
+        }
+    }
+    return false;
+}
+
+/// Whether a shape stays in the cube however it is turned about its centroid.
+template <int Dim>
+bool turns_freely(const LevelSet<Dim>& u) {
+    constexpr double largest_radius = 0.47;  // of shapes in studies
+    Point<Dim> centroid{};
+    double inside = 0.0;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (!(u.values[i] > 0)) continue;
+        const auto x = u.grid.position(u.grid.node(i));
+        for (std::size_t a = 0; a < Dim; ++a) centroid[a] += x[a];
+        ++inside;
+    }
+    for (double& c : centroid) c /= inside;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (!(u.values[i] > 0)) continue;
+        const auto x = u.grid.position(u.grid.node(i));
+        double square = 0.0;
+        for (std::size_t a = 0; a < Dim; ++a) square += (x[a] - centroid[a]) * (x[a] - centroid[a]);
+        if (square > largest_radius * largest_radius) return false;
+    }
+    return true;
+}
 
 }  // namespace
 
@@ -442,7 +486,8 @@ GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const Leve
         if (!std::all_of(u->values.begin(), u->values.end(), [](double v) { return std::isfinite(v); })) {
             throw std::invalid_argument("compute_discrete_geodesic: a level set has values that are not finite");
         }
-        if (!std::any_of(u->values.begin(), u->values.end(), [](double v) { return v > 0; })) {
+        const LevelSet<Dim> seen = restricted(*u, options.level);
+        if (!std::any_of(seen.values.begin(), seen.values.end(), [](double v) { return v > 0; })) {
             throw std::invalid_argument("compute_discrete_geodesic: a shape is empty on its grid");
         }
     }
@@ -452,8 +497,13 @@ GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const Leve
     if (!std::all_of(mask.values.begin(), mask.values.end(), [](double v) { return v >= 0.0 && v <= 1.0; })) {
         throw std::invalid_argument("compute_discrete_geodesic: the mask has values outside [0, 1]");
     }
+    if (!mask.values.empty() && !shows_contour(restricted(a, options.level), restricted(mask, options.level))) {
+        throw std::invalid_argument("compute_discrete_geodesic: the mask hides the whole contour of the first shape");
+    }
     // What is hidden often ends where a shape was cut: off the nodes both edges would part by a share of a cell.
-    const bool posed = options.align == "rigid" && mask.values.empty();
+    // Equal shapes fit exactly as they are.
+    const bool equal = a.grid.level() == b.grid.level() && a.values == b.values;
+    const bool posed = options.align == "rigid" && mask.values.empty() && !equal && turns_freely(a);
     const auto frame = posed ? canonical_frame(b) : RigidMotion<Dim>{};
     if (frame.is_identity()) return Cascade<Dim>(a, b, options, mask, observer).run();
     const LevelSet<Dim> turned = moved(b, frame, b.grid.level());

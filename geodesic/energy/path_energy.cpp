@@ -54,6 +54,9 @@ PathEnergy<Dim>::PathEnergy(const LevelSet<Dim>& first, const LevelSet<Dim>& las
             slabs.push_back({begin, std::min(begin + thickness, cells), 0, {}});
         }
     }
+    if (options_.area_weight > 0) {
+        last_area_ = area_energy<Dim>(layout_.grid, last_.values.data(), eps(), 0.0, nullptr);
+    }
 }
 
 template <int Dim>
@@ -177,16 +180,14 @@ PathTerms PathEnergy<Dim>::evaluate_as(const Fields<T>& fields, std::span<const 
     }
     if (options_.area_weight > 0) {
         const double factor = options_.area_weight / steps;
-        std::vector<double> part(gradient.empty() ? 0 : nodes);
-        for (int k = 1; k <= steps; ++k) {
-            const bool wanted = !gradient.empty() && k < steps;
-            std::fill(part.begin(), part.end(), 0.0);
-            terms.area +=
-                area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, wanted ? part.data() : nullptr);
-            for (std::size_t i = 0; wanted && i < nodes; ++i) {
-                gradient[layout_.level_set(k) + i] += static_cast<T>(part[i]);
-            }
-        }
+        std::vector<double> areas(static_cast<std::size_t>(steps), last_area_);
+        for_indices(1, steps, [&](int k) {
+            std::vector<double> part(gradient.empty() ? 0 : nodes, 0.0);
+            areas[static_cast<std::size_t>(k - 1)] =
+                area_energy<Dim>(layout_.grid, level_set(x, k), eps(), factor, part.empty() ? nullptr : part.data());
+            for (std::size_t i = 0; i < part.size(); ++i) gradient[layout_.level_set(k) + i] += static_cast<T>(part[i]);
+        });
+        for (const double area : areas) terms.area += area;
         terms.total += factor * terms.area;
     }
     return terms;

@@ -112,6 +112,7 @@ private:
     LevelSet<Dim> first_, last_;
     ScalarField<Dim> mask_;
     double eta_;
+    double last_area_ = 0.0;                // E_area[u_K], if it counts
     std::vector<std::vector<Slab>> slabs_;  // [K][slabs]
     Scatter<double> scatter_;
     Scatter<float> single_scatter_;

@@ -4,12 +4,11 @@
 
 namespace morphodesic::kernels {
 
-/// T is double, or float for the minimiser: twice the lanes, half the memory.
-
 /// The most lanes of a vector of floats.
 inline constexpr int single_lanes = 16;
 
-/// Fields of one time step k on a grid of so many cells per axis; [nodes] each, axis 0 fastest.
+/// Fields of one time step k on a grid of so many cells per axis; [nodes] each, axis 0 fastest. T is double, or float
+/// for the minimiser: twice the lanes, half the memory.
 template <int Dim, class T>
 struct StepFields {
     int cells[Dim];              ///< on axis 0 a multiple of 8, with float of single_lanes

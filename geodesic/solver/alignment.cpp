@@ -127,7 +127,7 @@ public:
         for (int k = 0; k < iterations; ++k) {
             Normal system = normal;
             system.diagonal() += damping * normal.diagonal();
-            system.diagonal().array() += 1e-12 + (rotate ? 0.0 : 1e-12);
+            system.diagonal().array() += 1e-12;
             const Eigen::VectorXd change = system.ldlt().solve(-gradient);
             Motion<Dim> trial = m;
             if (rotate) trial.rotation = small_rotation<Dim>(change) * m.rotation;

@@ -25,7 +25,7 @@ constexpr int patience = 2;          // more steps tried, each shorter, before t
 constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
 constexpr double rounding = 1e-7;    // of energies in single precision, relative
-constexpr double vanishing = 1e-10;  // energy that rounding leaves between equal shapes
+constexpr double vanishing = 1e-10;  // energy that rounding leaves between equal shapes, in units of mu
 constexpr int max_renewals = 3;      // of history and preconditioner where steps stall
 constexpr int window = 5;            // iterations over which the decrease is measured
 
@@ -113,7 +113,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             break;
         }
         // Nothing left to gain beside rounding: also the case of two equal shapes.
-        if (-slope <= rounding * terms.total || terms.total < vanishing) {
+        if (-slope <= rounding * terms.total || terms.total < vanishing * energy.options().mu) {
             summary.termination = slope <= 0 ? Termination::converged : Termination::no_descent;
             break;
         }

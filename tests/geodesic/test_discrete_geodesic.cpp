@@ -70,12 +70,61 @@ TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
             }
         }
     }
+    for (const auto& [r0, r1, steps] : {std::tuple(0.05, 0.3, 4), {0.04, 0.3, 8}, {0.03, 0.35, 16}}) {
+        const auto r =
+            compute_discrete_geodesic<2>(tests::ball<2>(6, r0), tests::ball<2>(6, r1), options_for(6, steps));
+        ASSERT_EQ(r.termination, Termination::converged);
+        EXPECT_LE(std::abs(r.path_length - disk_length(r0, r1)), r.error) << r0 << " " << r1 << " K " << steps;
+    }
+    // Where the mismatch is soft, most of the way is left to it.
+    for (const auto& [r0, r1, weight] : {std::tuple(0.3, 0.1, 5.0), {0.2, 0.25, 1.0}}) {
+        auto options = options_for(6, 8);
+        options.mismatch_weight_per_step = weight;
+        const auto r = compute_discrete_geodesic<2>(tests::ball<2>(6, r0), tests::ball<2>(6, r1), options);
+        EXPECT_LE(std::abs(r.path_length - disk_length(r0, r1)), r.error) << r0 << " " << r1 << " eta / K " << weight;
+    }
+    // The area term is no part of the way.
+    auto options = options_for(6, 1);
+    const double bar = compute_discrete_geodesic<2>(tests::ball<2>(6, 0.2), tests::ball<2>(6, 0.25), options).error;
+    options.area_weight = 0.05;
+    EXPECT_LT(compute_discrete_geodesic<2>(tests::ball<2>(6, 0.2), tests::ball<2>(6, 0.25), options).error, 1.2 * bar);
     for (const int steps : {1, 2}) {
         const auto r =
             compute_discrete_geodesic<3>(tests::ball<3>(5, 0.12), tests::ball<3>(5, 0.24), options_for(5, steps));
         ASSERT_EQ(r.termination, Termination::converged);
         EXPECT_LE(std::abs(r.path_length - ball_length(0.12, 0.24)), r.error) << steps;
     }
+}
+
+/// A bar of length 0.6, bent to an arc.
+LevelSet<2> bent_bar(int level, double half_width, double curvature) {
+    LevelSet<2> u{DyadicGrid<2>(level)};
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        const auto x = u.grid.position(u.grid.node(i));
+        const double from_middle = x[0] - 0.5, up = x[1] - 0.5 + 1.0 / curvature;  // seen from the middle of the arc
+        const double along = std::abs(std::atan2(from_middle, up) / curvature) - 0.3;
+        const double across = std::abs(std::hypot(from_middle, up) - 1.0 / curvature) - half_width;
+        u.values[i] =
+            -(std::hypot(std::max(along, 0.0), std::max(across, 0.0)) + std::min(std::max(along, across), 0.0));
+    }
+    return u;
+}
+
+/// Bending a thin shape costs little, the tails of the diffuse contour that move along a lot: lengths fall by a quarter
+/// from level to level.
+TEST(DiscreteGeodesic, BarsAllowForTheTailsOfThinShapesThatBend) {
+    const auto solved = [](int level, double tolerance) {
+        auto options = options_for(level, 4);
+        options.tolerance = tolerance;
+        options.align = "rigid";
+        options.starts = 4;
+        return compute_discrete_geodesic<2>(bent_bar(7, 0.04, 0.5), bent_bar(7, 0.04, 2.5), options);
+    };
+    const double best = solved(7, 1e-3).extrapolated_length;
+    const auto r = solved(6, 1e-2);
+    EXPECT_GT(r.path_length, 1.3 * best);
+    EXPECT_LE(std::abs(r.path_length - best), r.error);
+    EXPECT_LT(std::abs(r.extrapolated_length - best), 0.5 * std::abs(r.path_length - best));
 }
 
 template <int Dim>
@@ -194,6 +243,58 @@ TEST(DiscreteGeodesic, WhatIsVisibleIsAligned) {
     EXPECT_LT(lengths[2], 1.05 * lengths[0]);
 }
 
+TEST(DiscreteGeodesic, AMaskThatReachesTheBorderIsMovedWithItsShape) {
+    // The same content at several places: what is hidden goes on beyond the border.
+    const auto bar = tests::turned_box<2>(6, {0.2, 0.06}, {0.5, 0.5}, 0.0);
+    std::vector<double> lengths;
+    for (const double shift : {0.0, 0.125, 0.25}) {
+        const double cut = 0.5 + shift;
+        const auto there = tests::turned_box<2>(6, {0.2, 0.07}, {cut, 0.5}, 0.0);
+        LevelSet<2> part = there;
+        ScalarField<2> mask(part.grid, 1.0);
+        for (std::size_t i = 0; i < part.values.size(); ++i) {
+            const double x = part.grid.position(part.grid.node(i))[0];
+            part.values[i] = std::min(part.values[i], cut - x);
+            if (x > cut) mask.values[i] = 0.0;
+        }
+        auto options = options_for(6, 2);
+        options.align = "translation";
+        options.starts = 8;
+        const auto r = compute_discrete_geodesic<2>(part, bar, options, mask);
+        ASSERT_EQ(r.termination, Termination::converged) << r.message;
+        EXPECT_NEAR(r.motion.translation[0], -shift, 0.01);
+        lengths.push_back(r.path_length);
+    }
+    EXPECT_NEAR(lengths[1], lengths[0], 0.05 * lengths[0]);
+    EXPECT_NEAR(lengths[2], lengths[0], 0.05 * lengths[0]);
+}
+
+TEST(DiscreteGeodesic, AShapeThatNeedsTheWholeCubeIsNotTurned) {
+    auto options = options_for(6, 2);
+    options.align = "rigid";
+    const auto diagonal = tests::turned_box<2>(6, {0.5, 0.06}, {0.5, 0.5}, std::numbers::pi / 4),
+               shorter = tests::turned_box<2>(6, {0.3, 0.06}, {0.5, 0.5}, std::numbers::pi / 4);
+    const auto turned = compute_discrete_geodesic<2>(diagonal, shorter, options);
+    EXPECT_TRUE(turned.frame.is_identity());
+    options.align = "translation";
+    const auto as_it_stands = compute_discrete_geodesic<2>(diagonal, shorter, options);
+    EXPECT_LT(turned.path_length, 1.03 * as_it_stands.path_length);
+}
+
+TEST(DiscreteGeodesic, LengthScalesWithTheRootOfTheStiffness) {
+    auto options = options_for(4, 1);
+    const auto a = tests::ball<2>(4, 0.2), b = tests::ball<2>(4, 0.25);
+    const double length = compute_discrete_geodesic<2>(a, b, options).path_length;
+    for (const double scale : {1e-9, 1e-6, 1e6}) {
+        auto scaled = options;
+        scaled.mu *= scale;
+        scaled.lambda *= scale;
+        scaled.mismatch_weight_per_step *= scale;
+        const double found = compute_discrete_geodesic<2>(a, b, scaled).path_length;
+        EXPECT_NEAR(found / std::sqrt(scale), length, 1e-3 * length) << scale;
+    }
+}
+
 TEST(DiscreteGeodesic, LengthIsNearlySymmetric) {
     const auto [a, b] = two_boxes<2>(6);
     auto options = options_for(6, 4);
@@ -208,6 +309,10 @@ TEST(DiscreteGeodesic, SameShapeHasLengthZero) {
     const auto r = compute_discrete_geodesic<2>(u, u, options_for(5, 2));
     EXPECT_EQ(r.termination, Termination::converged);
     EXPECT_LT(r.path_length, 1e-6);
+    auto options = options_for(6, 4);
+    options.align = "rigid";
+    const auto bar = tests::turned_box<2>(6, {0.25, 0.06}, {0.5, 0.5}, 0.4);
+    EXPECT_EQ(compute_discrete_geodesic<2>(bar, bar, options).path_length, 0.0);
 }
 
 TEST(DiscreteGeodesic, AreaIsKeptWhereThatIsAsked) {
@@ -273,6 +378,10 @@ TEST(DiscreteGeodesic, BadInputIsRefused) {
     }
     EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 2), ScalarField<2>(DyadicGrid<2>(3), 1.0)),
                  std::invalid_argument);
+    EXPECT_THROW(compute_discrete_geodesic<2>(u, u, options_for(4, 2), ScalarField<2>(u.grid, 0.0)),
+                 std::invalid_argument);
+    const auto speck = tests::ball<2>(7, 0.02, {0.47, 0.47});  // between the nodes of level 4
+    EXPECT_THROW(compute_discrete_geodesic<2>(speck, tests::ball<2>(7, 0.2), options_for(4, 2)), std::invalid_argument);
 }
 
 }  // namespace
