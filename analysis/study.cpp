@@ -338,6 +338,9 @@ AnalysisResult analyse(const DistanceMatrix& given, const AnalysisOptions& optio
         });
     }
     const std::vector<ClassCount> counts = class_counts(r.classes);
+    if (options.diffuse && counts.size() < 2) {
+        r.remarks.emplace_back("--diffuse judges classes, of which there are none to tell apart.");
+    }
     if (counts.size() == 1) {
         r.remarks.push_back("All shapes with a class are of the same one (" + counts.front().name +
                             "): no neighbour could be of another, so no accuracy is stated.");

@@ -52,7 +52,7 @@ struct AnalysisOptions {
         visit("perturbations", self.perturbations, "runs of the cluster stability check; 0: by size");
         visit("assumed-error", self.assumed_error, "error bar as share of the distance where none is known");
         visit("permutations", self.permutations, "permutations of the test of classes (PERMANOVA)");
-        visit("diffuse", self.diffuse, "also rank neighbours by diffusion on the neighbour graph");
+        visit("diffuse", self.diffuse, "judge classes by distances diffused on the neighbour graph, too");
         visit("diffusion-neighbors", self.diffusion_neighbors,
               "k of the affinity graph of the diffusion; choose it below the size of the classes");
         visit("seed", self.seed, "seed of everything random");

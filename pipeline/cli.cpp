@@ -359,7 +359,8 @@ void CommandLine::add_classify() {
         if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) {
             sub->add_flag("--" + name + ",!--no-" + name, value, text)->group("Classification");
         } else {
-            sub->add_option("--" + name, value, text)->capture_default_str()->group("Classification");
+            const std::string spellings = name == "neighbours" ? "--neighbours,--neighbors" : "--" + name;
+            sub->add_option(spellings, value, text)->capture_default_str()->group("Classification");
         }
     });
     sub->callback([this] { action = [this] { return pipeline::classify(classify); }; });
@@ -399,7 +400,7 @@ void CommandLine::add_figures() {
 
 void CommandLine::add_shards() {
     const std::string steps =
-        "A study on many processes or machines:\n"
+        "Examples: a study on many processes or machines\n"
         "  morphodesic ingest fish                               take the shapes in\n"
         "  morphodesic plan fish.study --shards 16               writes fish.study/shards/plan.sqlite\n"
         "  morphodesic shard fish.study 3/16                     each of them, anywhere; again after a stop\n"

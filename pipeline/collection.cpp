@@ -224,7 +224,8 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     for (datasets::ShapeSource& source : scan.sources) collection.entries.push_back({std::move(source), {}, false});
 
     if (!collection.entries.empty())
-        progress.message(std::to_string(collection.entries.size()) + " shapes in " + folder.string());
+        progress.message(std::to_string(collection.entries.size()) +
+                         (collection.entries.size() == 1 ? " shape in " : " shapes in ") + folder.string());
     std::atomic<std::size_t> kept_bytes{0};
     for_each_whole(collection.entries.size(), [&](std::size_t i) {
         if (StopSignals::caught() != 0) return;

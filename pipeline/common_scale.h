@@ -30,6 +30,8 @@ struct CommonScale {
 [[nodiscard]] CommonScale choose_common_scale(const std::vector<SizedFile>& files,
                                               const datasets::ImportOptions& options, const ResultStore& store);
 
+inline constexpr const char* common_scale_help = "lengths of the unit cube per unit of the files, one for all";
+
 /// The shortest text of a number that reads back exactly.
 [[nodiscard]] std::string exact_text(double x);
 

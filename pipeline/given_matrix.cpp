@@ -63,8 +63,9 @@ void label_shapes(StudyData& data, const fs::path& table) {
     label_of.erase("name");  // a heading of another kind than file,label
     if (!label_of.empty()) {
         data.remarks.push_back(table.filename().string() + " has a class for " + label_of.begin()->first +
-                               (label_of.size() > 1 ? " and " + std::to_string(label_of.size() - 1) + " more" : "") +
-                               ", which is not among the shapes.");
+                               (label_of.size() > 1 ? " and " + std::to_string(label_of.size() - 1) + " more, which are"
+                                                    : std::string(", which is")) +
+                               " not among the shapes.");
     }
 }
 

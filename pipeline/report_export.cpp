@@ -213,8 +213,9 @@ void add_findings(const StudyData& data, const StudyOptions& options, AnalysedSt
     if (const auto& strangers = table.strangers; !strangers.empty()) {
         const std::string remark =
             options.place.filename().string() + " has distances to " + strangers.front() +
-            (strangers.size() > 1 ? " and " + std::to_string(strangers.size() - 1) + " more" : "") +
-            ", which is not among the shapes.";
+            (strangers.size() > 1 ? " and " + std::to_string(strangers.size() - 1) + " more, which are"
+                                  : ", which is") +
+            " not among the shapes.";
         summary.add_remark(remark);
         analysed.model.trust.remarks.push_back(remark);
     }

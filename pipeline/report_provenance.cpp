@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/common_scale.h"
+
 namespace morphodesic::pipeline {
 namespace {
 
@@ -92,12 +94,15 @@ void add_provenance(const StudyData& data, const ResultStore& store, const Study
     model.distance_unit = data.dimension == 2 ? "length of the unit cube" : "length^1.5 of the unit cube";
     add_settings(data.settings, model);
     add_settings(data.settings.pairs, model);
-    if (const auto scale = store.fact("common_scale"); scale && data.settings.normalize == "common") {
-        model.geodesic_options.push_back("--scale=" + *scale);
-        model.settings.push_back(
-            {"common-scale", *scale, "lengths of the unit cube per unit of the files, one for all"});
+    if (!data.common_scale.empty()) {
+        model.geodesic_options.push_back("--scale=" + data.common_scale);
+        model.settings.push_back({"common-scale", data.common_scale, common_scale_help});
     }
+    const std::size_t of_pairs = model.settings.size();
     add_settings(options, model);
+    for (std::size_t k = of_pairs; k < model.settings.size(); ++k) {  // each name once
+        if (model.settings[k].name == "neighbors") model.settings[k].name = "graph-neighbors";
+    }
     model.versions = {{"morphodesic", MORPHODESIC_VERSION, ""},
                       {"compiler", __VERSION__, "other compilers may give other last digits"},
                       {"solver revision", std::to_string(solver_revision), "part of the settings hash"},

@@ -7,11 +7,13 @@
 #include <stdexcept>
 
 #include "analysis/comparison.h"
+#include "pipeline/common_scale.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-std::vector<std::pair<std::string, std::pair<std::string, std::string>>> settings_of(const RunSettings& settings) {
+std::vector<std::pair<std::string, std::pair<std::string, std::string>>> settings_of(const StudyData& study) {
+    const RunSettings& settings = study.settings;
     std::vector<std::pair<std::string, std::pair<std::string, std::string>>> result;
     const auto add = [&](const char* name, const auto& value, const char* help) {
         std::ostringstream text;
@@ -20,6 +22,7 @@ std::vector<std::pair<std::string, std::pair<std::string, std::string>>> setting
     };
     RunSettings::for_each_field(settings, add);
     PairSelection::for_each_field(settings.pairs, add);
+    add("common-scale", study.common_scale, common_scale_help);
     return result;
 }
 
@@ -71,7 +74,7 @@ reports::Comparison compare_studies(const StudyData& here, const StudyData& ther
     }
     result.distances = common_distances(here.distances, there.distances, 5000);
     if (here.given || there.given) return result;
-    const auto ours = settings_of(here.settings), theirs = settings_of(there.settings);
+    const auto ours = settings_of(here), theirs = settings_of(there);
     for (std::size_t k = 0; k < ours.size(); ++k) {
         const std::string &a = ours[k].second.first, &b = theirs[k].second.first;
         if (a != b) result.different_settings.push_back({ours[k].first, a + " | " + b, ours[k].second.second});

@@ -15,6 +15,7 @@ StudyData load_study(const ResultStore& store) {
     StudyData data;
     data.settings = settings_of_study(store);
     data.settings_hash = settings_hash(data.settings.geodesic);
+    if (data.settings.normalize == "common") data.common_scale = store.fact("common_scale").value_or("");
     data.dimension = store.fact("dimension") == "3" ? 3 : 2;
     data.unfinished = unfinished_reading(store);
     if (!data.unfinished.empty()) data.failures.push_back({"", "", data.unfinished});

@@ -26,6 +26,7 @@ using Geodesics = std::vector<std::shared_ptr<const StoredGeodesic>>;
 struct StudyData {
     int dimension = 2;
     RunSettings settings;
+    std::string common_scale;  ///< cube units per unit of the files; empty: not one for all
     std::string settings_hash;
     std::vector<StoredShape> shapes;  ///< usable files, sorted by name
     std::vector<StoredShape> unusable;

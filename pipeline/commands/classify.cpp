@@ -165,7 +165,8 @@ public:
 
     void classify_queries(const QueryList& list) {
         const double begin = now();
-        progress_.message("classifying " + std::to_string(list.queries.size()) + " queries");
+        progress_.message("classifying " + std::to_string(list.queries.size()) +
+                          (list.queries.size() == 1 ? " query" : " queries"));
         run.queries.resize(list.queries.size());
         pictured_.resize(std::min(list.queries.size(), static_cast<std::size_t>(options_.pictures)));
         count(list.queries.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.queries[i], i); });

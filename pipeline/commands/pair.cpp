@@ -118,7 +118,8 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     } else {
         char text[256];
         std::snprintf(text, sizeof text,
-                      "path length   %.6g (error bar %.2g)\npath energy   %.6g\nmin det       %.4g (guaranteed)\n"
+                      "path length   %.6g (error bar %.2g)\npath energy   %.6g\nmin det       %.4g (guaranteed: 1-1, "
+                      "nothing shrinks to less than that share)\n"
                       "termination   %s after %s",
                       result.path_length, result.error, result.path_energy, result.min_det,
                       to_string(result.termination), duration_text(result.seconds).c_str());
@@ -155,6 +156,9 @@ int geodesic(const PairOptions& options) {
     if (dimension != "auto" && dimension != std::to_string(a.dimension)) {
         std::cerr << "morphodesic: --dimension " << dimension << " has no effect: both files are "
                   << (a.dimension == 2 ? "images" : "solids") << "\n";
+    }
+    if (options.settings.labels != "auto") {
+        std::cerr << "morphodesic: --labels has no effect: of one pair no classes are asked\n";
     }
     if (const std::string remark = datasets::mirror_remark(options.settings.import.mirror, {a, b}); !remark.empty()) {
         std::cerr << "morphodesic: " << remark << "\n";

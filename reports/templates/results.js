@@ -302,7 +302,7 @@ function repeatSection() {
                                              shown(l.title || l.href),
                           l.description ? ' – ' + shown(l.description) : ''))) :
             null,
-        data.command ? el('div', {}, el('p', {}, 'This command repeats the study:'),
+        data.command ? el('div', {}, el('p', {}, 'This command computes the distances again:'),
                           el('pre', {tabindex: '0'}, el('code', {}, data.command)), copyButton(data.command)) :
                        null,
         el('div', {class: 'two'},

@@ -205,7 +205,7 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const Outcome more = morphodesic({"analyze", (folder / "d.csv").string(), "--place", (folder / "more.csv").string(),
                                       "--labels", (folder / "classes.csv").string()});
     EXPECT_EQ(more.code, 0);
-    EXPECT_THAT(more.out, HasSubstr("more.csv has distances to nobody and 1 more, which is not among the shapes"));
+    EXPECT_THAT(more.out, HasSubstr("more.csv has distances to nobody and 1 more, which are not among the shapes"));
     EXPECT_THAT(more.out, HasSubstr("classes.csv has a class for b7, which is not among the shapes"));
     // Two queries of one name must not become one.
     write_file(folder / "twice.csv", ",a1,b1\nq,1,9\nq,9,1\n");
