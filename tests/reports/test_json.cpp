@@ -5,14 +5,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
 #include "reports/report.h"
 #include "tests/reports/evil_names.h"
 #include "tests/reports/synthetic_model.h"
+#include "tests/support/json_schema.h"
 
 namespace morphodesic::reports {
 namespace {
@@ -26,22 +23,8 @@ std::string read(const std::string& name) {
     return text.str();
 }
 
-/// What is wrong with a document by a schema file; empty if nothing.
 std::string schema_errors(const json& document, const std::string& schema_file) {
-    const json schema_json = json::parse(read(schema_file));
-    valijson::Schema schema;
-    valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-    parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_json), schema);
-    valijson::ValidationResults results;
-    valijson::Validator validator;
-    const valijson::adapters::NlohmannJsonAdapter target(document);
-    if (validator.validate(schema, target, &results)) return {};
-    std::string text = "invalid";
-    for (const auto& error : results) {
-        for (const auto& part : error.context) text += part;
-        text += ": " + error.description + "\n";
-    }
-    return text;
+    return tests::schema_errors(document, std::string(MORPHODESIC_REPORTS_DIR) + "/" + schema_file);
 }
 
 TEST(ReportJson, HasExactlyTheDocumentedKeys) {

@@ -10,6 +10,7 @@
 #include "analysis/matrix_csv.h"
 #include "datasets/drawing.h"
 #include "program.h"
+#include "tests/support/json_schema.h"
 
 namespace morphodesic::tests {
 namespace {
@@ -17,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
+
+const fs::path reports = fs::path(MORPHODESIC_SOURCE_DIR) / "reports";
 
 TEST(Study, ARunLeavesEverythingTheContractNames) {
     const TemporaryFolder folder;
@@ -34,7 +37,16 @@ TEST(Study, ARunLeavesEverythingTheContractNames) {
     // Larger and larger disks: the distance grows with the difference of the radii.
     for (std::size_t i = 2; i < 5; ++i) EXPECT_GT(distances(0, i), distances(0, i - 1));
     const json report = json::parse(read_file(folder / "disks.study" / "report.json"));
-    EXPECT_FALSE(report.empty());
+    EXPECT_EQ(schema_errors(report, reports / "report.schema.json"), "");
+    EXPECT_EQ(report["shapes"].size(), 5u);
+    const std::string pairs = read_file(folder / "disks.study" / "pairs.csv");
+    std::istringstream heads(pairs.substr(0, pairs.find('\n')));
+    const std::string documented = read_file(reports / "FORMAT.md");
+    for (std::string head; std::getline(heads, head, ',');) {
+        EXPECT_THAT(documented, testing::AnyOf(HasSubstr("| " + head + " |"), HasSubstr("| " + head + ","),
+                                               HasSubstr(", " + head + " |"), HasSubstr(", " + head + ",")))
+            << "of pairs.csv";
+    }
 }
 
 TEST(Study, TheSameCommandAgainComputesNothing) {
@@ -324,6 +336,8 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
     for (const char* key : {"path_length", "path_energy", "error", "min_det", "termination"}) {
         EXPECT_TRUE(result.contains(key)) << key;
     }
+    EXPECT_EQ(schema_errors(json::parse(read_file(folder / "path/geodesic.json")), reports / "geodesic.schema.json"),
+              "");
     EXPECT_GT(result["path_length"], 0.05);
     EXPECT_LE(std::pow(result["path_length"].get<double>(), 2), result["path_energy"].get<double>() * (1 + 1e-12));
     EXPECT_EQ(result["termination"], "converged");
@@ -347,6 +361,7 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
     EXPECT_THAT(equal.out, HasSubstr("no pictures"));
     EXPECT_FALSE(fs::exists(folder / "path/step-00.png"));
     const json written = json::parse(read_file(folder / "path/geodesic.json"));
+    EXPECT_EQ(schema_errors(written, reports / "geodesic.schema.json"), "");
     EXPECT_EQ(written["path_length"], 0.0);
     EXPECT_THAT(written["b"].get<std::string>(), HasSubstr("copy.png"));
 }
@@ -379,12 +394,15 @@ TEST(Geodesic, AShapeHasDistanceZeroToItself) {
 
 TEST(Datasets, EveryKindIsMadeAndTheSameForTheSameSeed) {
     const TemporaryFolder folder;
-    for (const std::string kind : {"letters", "bars", "dumbbells", "disks", "matchstick"}) {
+    for (const std::string kind : {"letters", "bars", "dumbbells", "disks", "matchstick", "feet", "quadrupeds"}) {
+        const bool solid = kind == "feet" || kind == "quadrupeds";
         for (const char* again : {"1", "2"}) {
-            const Outcome done = morphodesic({"datasets", kind, "--out", (folder / (kind + again)).string(), "--count",
-                                              "4", "--size", "48", "--json"});
+            std::vector<std::string> words{"datasets", kind, "--out", (folder / (kind + again)).string(),
+                                           "--count",  "4",  "--json"};
+            if (!solid) words.insert(words.end(), {"--size", "48"});
+            const Outcome done = morphodesic(words);
             ASSERT_EQ(done.code, 0) << done.err;
-            EXPECT_EQ(json::parse(done.out)["shapes"], 4);
+            EXPECT_EQ(json::parse(done.out)["shapes"], 4) << kind;
         }
         for (const auto& entry : fs::directory_iterator(folder / (kind + "1"))) {
             EXPECT_EQ(read_file(entry.path()), read_file(folder / (kind + "2") / entry.path().filename().string()));
