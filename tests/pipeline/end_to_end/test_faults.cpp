@@ -31,6 +31,17 @@ bool wait_for_rows(const fs::path& study, long rows) {
     return false;
 }
 
+/// Waits until the running program has drawn that many paths of a study; false after half a minute.
+bool wait_for_paths(const fs::path& study, long paths) {
+    for (int i = 0; i < 6000; ++i) {
+        std::error_code error;  // for a moment the folder may not be there
+        if (std::distance(fs::directory_iterator(study / "paths", error), fs::directory_iterator()) >= paths)
+            return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+}
+
 void execute(const fs::path& store, const std::string& sql) {
     sqlite3* connection = nullptr;
     ASSERT_EQ(sqlite3_open(store.c_str(), &connection), SQLITE_OK);
@@ -96,11 +107,7 @@ TEST_F(StoppedStudy, AReportThatIsStoppedLeavesTheOneBefore) {
     ASSERT_NE(good, before);
     // Enough paths to draw that the stop comes in their middle.
     BackgroundRun run({"report", study.string(), "--paths", "all", "--threads", "1"});
-    const auto drawn = [&] {
-        std::error_code error;  // for a moment the folder may not be there
-        return std::distance(fs::directory_iterator(study / "paths", error), fs::directory_iterator()) >= 2;
-    };
-    for (int i = 0; i < 6000 && !drawn(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ASSERT_TRUE(wait_for_paths(study, 2));
     run.signal(SIGINT);
     const Outcome stopped = run.wait();
     EXPECT_EQ(stopped.code, 128 + SIGINT);
@@ -108,19 +115,20 @@ TEST_F(StoppedStudy, AReportThatIsStoppedLeavesTheOneBefore) {
     EXPECT_EQ(read_file(study / "report.html"), good);
     EXPECT_EQ(read_file(study / "clusters.csv"), table);
     EXPECT_FALSE(fs::exists(study / "paths.old"));
-    auto all = command("study");
+    // The same at the end of a run: all pairs are there, the report is not.
+    auto all = command("fresh");
     *std::find(all.begin(), all.end(), "none") = "all";
-    BackgroundRun again(all);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    again.signal(SIGINT);
-    const Outcome ended = again.wait();  // somewhere on its way, or done already
-    if (ended.code != 0) {
+    {
+        BackgroundRun fresh(all);
+        ASSERT_TRUE(wait_for_paths(folder_ / "fresh", 2));
+        fresh.signal(SIGINT);
+        const Outcome ended = fresh.wait();
         EXPECT_EQ(ended.code, 128 + SIGINT);
-        EXPECT_THAT(ended.err, HasSubstr("give the same command again"));
-        EXPECT_EQ(read_file(study / "report.html"), good);
+        EXPECT_THAT(ended.err, HasSubstr("36 of 36 pairs are in the store"));
+        EXPECT_FALSE(fs::exists(folder_ / "fresh/report.html"));
     }
     EXPECT_EQ(morphodesic(all).code, 0);
-    EXPECT_EQ(json::parse(read_file(study / "report.json"))["paths"].size(), 36u);
+    EXPECT_EQ(json::parse(read_file(folder_ / "fresh/report.json"))["paths"].size(), 36u);
 }
 
 TEST_F(StoppedStudy, TerminateIsTheSameAsInterrupt) {
