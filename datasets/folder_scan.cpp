@@ -11,6 +11,7 @@
 
 #include "datasets/csv_rows.h"
 #include "datasets/read_error.h"
+#include "datasets/text_scan.h"
 
 namespace morphodesic::datasets {
 
@@ -20,12 +21,6 @@ namespace {
 
 constexpr const char* mask_ending = ".mask.png";
 constexpr const char* label_file = "labels.csv";
-
-/// As with all endings, case does not matter.
-bool ends_as_mask(std::string name) {
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return name.ends_with(mask_ending);
-}
 
 /// Label by the file's name: before the last '-' or '_'; without them before the digits at the end.
 std::string label_of_name(const std::string& stem) {
@@ -128,7 +123,7 @@ private:
             problem(entry.path(), "this is a pipe, a socket or a device, not a file", "copy what it holds into a file");
             return;
         }
-        if (ends_as_mask(file_name)) {
+        if (lower_case(file_name).ends_with(mask_ending)) {
             masks_.push_back({folder.prefix + file_name.substr(0, file_name.size() - 9), entry.path()});
             return;
         }

@@ -303,8 +303,7 @@ std::string file_content(const fs::path& file, double max_megabytes) {
 }
 
 MeshFormat mesh_format(const fs::path& file, std::string_view content) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = lower_case(file.extension().string());
     if (content.substr(0, 4) == "ply\n" || content.substr(0, 4) == "ply\r") return MeshFormat::ply;
     const std::string_view first_word = content.substr(0, content.find_first_of(" \t\r\n"));
     if (first_word.size() <= 8 && first_word.ends_with("OFF")) return MeshFormat::off;

@@ -20,12 +20,6 @@ constexpr const char* again = "export or download the file again";
     throw ReadError(file, problem, remedy);
 }
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return result;
-}
-
 std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
     return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
@@ -41,7 +35,7 @@ public:
             if (line.starts_with('#') || at == std::string_view::npos) continue;
             // "key:=value" tells what is no field; keys may have colons of their own.
             if (separator == ':' && line.find(":=") < line.find(": ")) continue;
-            std::string name = lower(line.substr(0, at));
+            std::string name = lower_case(line.substr(0, at));
             std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
             if (!values_.emplace(name, trimmed(line.substr(at + 1))).second) {
                 refuse(file_, "its header gives " + name + " twice");
@@ -52,7 +46,7 @@ public:
         const auto it = values_.find(name);
         return it == values_.end() ? otherwise : it->second;
     }
-    [[nodiscard]] bool is_true(const std::string& name) const { return lower(get(name)) == "true"; }
+    [[nodiscard]] bool is_true(const std::string& name) const { return lower_case(get(name)) == "true"; }
 
     /// The numbers of a field, which may be grouped by brackets and commas; empty if there is no such field.
     template <class Number>
@@ -182,7 +176,7 @@ std::optional<VoxelType> nrrd_type(const std::string& name) {
         add(VoxelType::float64, {"double"});
         return result;
     }();
-    const auto it = types.find(lower(name));
+    const auto it = types.find(lower_case(name));
     return it == types.end() ? std::nullopt : std::optional(it->second);
 }
 
@@ -229,10 +223,10 @@ Volume read_nrrd(const fs::path& file, double max_megabytes) {
         refuse(file, "it has " + (axes.empty() ? "no" : axes) + " axes, not three", "save one volume of plain numbers");
     take_sizes(file, fields.three<std::int64_t>("sizes"), layout);
     layout.type = known(file, nrrd_type(fields.get("type")), fields.get("type"));
-    const std::string endian = lower(fields.get("endian"));
+    const std::string endian = lower_case(fields.get("endian"));
     layout.big_endian = endian == "big";
     Numbers where;
-    const std::string encoding = lower(fields.get("encoding"));
+    const std::string encoding = lower_case(fields.get("encoding"));
     if (encoding == "gzip" || encoding == "gz") {
         where.packing = Packing::packed;
     } else if (encoding == "text" || encoding == "txt" || encoding == "ascii") {
@@ -255,7 +249,7 @@ Volume read_nrrd(const fs::path& file, double max_megabytes) {
     if (where.skipped_bytes < -1 || where.skipped_lines < 0) refuse(file, "its header skips a negative length");
 
     Volume volume;
-    const std::string space = lower(fields.get("space"));
+    const std::string space = lower_case(fields.get("space"));
     double unit = 1.0;
     if (const auto directions = fields.three<double>("spacedirections", 9); !directions.empty()) {
         unit = millimetres(fields.get("spaceunits"));
@@ -303,11 +297,11 @@ Volume read_metaimage(const fs::path& file, double max_megabytes) {
     layout.big_endian = fields.is_true("binarydatabyteordermsb") || fields.is_true("elementbyteordermsb");
     check_layout(file, layout, max_megabytes);
     Numbers where;
-    where.packing = lower(fields.get("binarydata", "true")) != "true" ? Packing::text
-                    : fields.is_true("compresseddata")                ? Packing::packed
-                                                                      : Packing::raw;
+    where.packing = lower_case(fields.get("binarydata", "true")) != "true" ? Packing::text
+                    : fields.is_true("compresseddata")                     ? Packing::packed
+                                                                           : Packing::raw;
     where.file_name = fields.get("elementdatafile");
-    if (lower(where.file_name) == "local") where.file_name.clear();
+    if (lower_case(where.file_name) == "local") where.file_name.clear();
     where.offset = end + 1;
     if (const auto skipped = fields.numbers<std::int64_t>("headersize"); !skipped.empty()) {
         where.skipped_bytes = skipped.front();

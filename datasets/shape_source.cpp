@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "datasets/read_error.h"
+#include "datasets/text_scan.h"
 
 namespace morphodesic::datasets {
 
@@ -31,8 +32,7 @@ int dimension_by_content(std::string_view head) {
 }  // namespace
 
 std::string ending_of(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    for (char& c : ending) c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
+    std::string ending = lower_case(file.extension().string());
     if (ending == ".gz" && ending_of(file.stem()) == ".nii") ending = ".nii.gz";
     return ending;
 }

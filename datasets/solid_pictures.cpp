@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "datasets/normalize.h"
+#include "datasets/text_scan.h"
 #include "datasets/vdb_files.h"
 
 namespace morphodesic::datasets {
@@ -247,8 +248,7 @@ PixelImage slice_picture(const LevelSet<3>& shape, int across, double position, 
 int up_axis_by_custom(const std::vector<std::string>& files) {
     std::size_t y_up = 0;
     for (const std::string& file : files) {
-        std::string ending = file.substr(file.rfind('.') + 1);  // npos + 1 is 0
-        for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        const std::string ending = lower_case(file.substr(file.rfind('.') + 1));  // npos + 1 is 0
         if (ending == "obj" || ending == "off") ++y_up;
     }
     return 2 * y_up > files.size() ? 1 : 2;

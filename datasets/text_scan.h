@@ -3,11 +3,19 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include "datasets/interruption.h"
 
 namespace morphodesic::datasets {
+
+/// The text with small letters in place of A to Z, whatever the locale.
+inline std::string lower_case(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return result;
+}
 
 /// Walks through the lines and words of a text without copying it; numbers do not depend on the locale.
 class TextScan {
@@ -52,8 +60,7 @@ public:
 
     /// True if a word is the given one, in letters of any size.
     static bool is_word(std::string_view word, std::string_view in_small_letters) {
-        return std::equal(word.begin(), word.end(), in_small_letters.begin(), in_small_letters.end(),
-                          [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+        return word.size() == in_small_letters.size() && lower_case(word) == in_small_letters;
     }
 
     /// True if the whole word is a number (nan and inf are numbers too).

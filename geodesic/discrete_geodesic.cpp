@@ -447,29 +447,6 @@ bool shows_contour(const LevelSet<Dim>& u, const ScalarField<Dim>& mask) {
     return false;
 }
 
-/// Whether a shape stays in the cube however it is turned about its centroid.
-template <int Dim>
-bool turns_freely(const LevelSet<Dim>& u) {
-    constexpr double largest_radius = 0.47;  // of shapes in studies
-    Point<Dim> centroid{};
-    double inside = 0.0;
-    for (std::size_t i = 0; i < u.values.size(); ++i) {
-        if (!(u.values[i] > 0)) continue;
-        const auto x = u.grid.position(u.grid.node(i));
-        for (std::size_t a = 0; a < Dim; ++a) centroid[a] += x[a];
-        ++inside;
-    }
-    for (double& c : centroid) c /= inside;
-    for (std::size_t i = 0; i < u.values.size(); ++i) {
-        if (!(u.values[i] > 0)) continue;
-        const auto x = u.grid.position(u.grid.node(i));
-        double square = 0.0;
-        for (std::size_t a = 0; a < Dim; ++a) square += (x[a] - centroid[a]) * (x[a] - centroid[a]);
-        if (square > largest_radius * largest_radius) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
 template <int Dim>
@@ -503,9 +480,9 @@ GeodesicResult<Dim> compute_discrete_geodesic(const LevelSet<Dim>& a, const Leve
     // What is hidden often ends where a shape was cut: off the nodes both edges would part by a share of a cell.
     // Equal shapes fit exactly as they are.
     const bool equal = a.grid.level() == b.grid.level() && a.values == b.values;
-    const bool posed = options.align == "rigid" && mask.values.empty() && !equal && turns_freely(a);
+    const bool posed = options.align == "rigid" && mask.values.empty() && !equal;
     const auto frame = posed ? canonical_frame(b) : RigidMotion<Dim>{};
-    if (frame.is_identity()) return Cascade<Dim>(a, b, options, mask, observer).run();
+    if (frame.is_identity() || !turns_freely(a)) return Cascade<Dim>(a, b, options, mask, observer).run();
     const LevelSet<Dim> turned = moved(b, frame, b.grid.level());
     auto result = Cascade<Dim>(a, turned, options, mask, observer).run();
     result.frame = frame;

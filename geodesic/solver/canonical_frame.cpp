@@ -73,6 +73,28 @@ RigidMotion<3> canonical_frame<3>(const LevelSet<3>&) {
 }
 
 template <int Dim>
+bool turns_freely(const LevelSet<Dim>& u) {
+    constexpr double largest_radius = 0.47;  // of shapes in studies
+    Point<Dim> centroid{};
+    double inside = 0.0;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (!(u.values[i] > 0)) continue;
+        const auto x = u.grid.position(u.grid.node(i));
+        for (std::size_t a = 0; a < Dim; ++a) centroid[a] += x[a];
+        ++inside;
+    }
+    for (double& c : centroid) c /= inside;
+    for (std::size_t i = 0; i < u.values.size(); ++i) {
+        if (!(u.values[i] > 0)) continue;
+        const auto x = u.grid.position(u.grid.node(i));
+        double square = 0.0;
+        for (std::size_t a = 0; a < Dim; ++a) square += (x[a] - centroid[a]) * (x[a] - centroid[a]);
+        if (square > largest_radius * largest_radius) return false;
+    }
+    return true;
+}
+
+template <int Dim>
 GeodesicResult<Dim> in_pose_of_last(GeodesicResult<Dim> path) {
     if (path.frame.is_identity()) return path;
     const auto back = path.frame.inverse();
@@ -82,6 +104,8 @@ GeodesicResult<Dim> in_pose_of_last(GeodesicResult<Dim> path) {
     return path;
 }
 
+template bool turns_freely<2>(const LevelSet<2>&);
+template bool turns_freely<3>(const LevelSet<3>&);
 template GeodesicResult<2> in_pose_of_last<2>(GeodesicResult<2>);
 template GeodesicResult<3> in_pose_of_last<3>(GeodesicResult<3>);
 

@@ -12,6 +12,11 @@ namespace morphodesic {
 template <int Dim>
 RigidMotion<Dim> canonical_frame(const LevelSet<Dim>& u);
 
+/// Whether a shape stays in the cube however it is turned about its centroid: one that is aligned to a shape in another
+/// pose must.
+template <int Dim>
+bool turns_freely(const LevelSet<Dim>& u);
+
 /// The path as it looks in the pose of the second shape: shapes and deformations of a path that was computed in another
 /// frame are turned back and sampled anew on the same grid. Numbers stay those of the path as computed; the fields are
 /// for pictures, what is certified is the path itself. A path without a frame is returned as it is.
