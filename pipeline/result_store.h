@@ -12,6 +12,7 @@
 
 #include "geodesic/discrete_geodesic.h"
 #include "pipeline/store_error.h"
+#include "pipeline/stored_geodesic.h"
 
 namespace morphodesic::pipeline {
 
@@ -32,33 +33,6 @@ struct StoredShape {
     std::string problem;   ///< why the file could not be used; empty if it could
     bool damaged = false;  ///< the row is not as it was written: `problem` says so, only the file itself knows more
 };
-
-/// A solved pair, or the reason why there is no result. The path runs from the shape with digest a to the one with b.
-struct StoredGeodesic {
-    std::string a, b;           ///< content digests
-    std::string settings_hash;  ///< of the geodesic settings
-    std::string failure;        ///< what the solver threw; empty if it returned a result
-    Termination termination = Termination::converged;
-    std::string message;
-    double path_length = 0.0, path_energy = 0.0, total_energy = 0.0, error = 0.0, extrapolated_length = 0.0;
-    double min_det = 0.0;
-    double seconds = 0.0;
-    std::vector<double> deformation_energy, mismatch_energy;  ///< per step
-    std::vector<LevelReport> levels;
-    std::vector<double> rotation, translation;  ///< the motion applied to a: row-major matrix, vector
-
-    /// Why the path length must not be used as a distance; empty if it may.
-    [[nodiscard]] std::string problem() const;
-};
-
-/// The row of a solver result.
-template <int Dim>
-[[nodiscard]] StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::string b,
-                                       std::string settings_hash);
-
-/// A row as one line of JSON with a checksum over all of it, and back; nothing if the line is damaged.
-[[nodiscard]] std::string line_of(const StoredGeodesic& geodesic);
-[[nodiscard]] std::optional<StoredGeodesic> geodesic_from_line(const std::string& line);
 
 /// Before a study is locked or read: a store that is not there is a wrong name, not a damaged study.
 /// @throws std::invalid_argument if there is no such file

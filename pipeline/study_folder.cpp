@@ -57,9 +57,14 @@ bool is_lock(const fs::path& file) {
 
 }  // namespace
 
+fs::path with_last_name(const fs::path& path) {
+    fs::path named = path.lexically_normal();
+    if (!named.has_filename()) named = named.parent_path();
+    return named == "." || named.filename() == ".." ? fs::canonical(named) : named;
+}
+
 StudyFolder StudyFolder::of_collection(const fs::path& collection) {
-    fs::path folder = fs::absolute(collection).lexically_normal();
-    if (!folder.has_filename()) folder = folder.parent_path();
+    fs::path folder = with_last_name(fs::absolute(collection));
     folder += ".study";
     return StudyFolder(folder);
 }

@@ -16,6 +16,9 @@ struct RunFiles {
     std::vector<std::filesystem::path> dropped;  ///< what an earlier run may have left and this one does not have
 };
 
+/// The path with a last name to put an ending to: "folder/" has none, nor have "." and "..", which become absolute.
+[[nodiscard]] std::filesystem::path with_last_name(const std::filesystem::path& path);
+
 /// Names of what a study folder, or another folder of results, holds.
 class StudyFolder {
 public:
