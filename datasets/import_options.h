@@ -48,6 +48,6 @@ struct ImportOptions {
 
 /// Part of what says whether a stored solid is that of its file. To be raised when a change of the readers or of the
 /// repair changes solids, so that a study reads its files again and does not mix both.
-inline constexpr int solid_reader_revision = 7;
+inline constexpr int solid_reader_revision = 8;
 
 }  // namespace morphodesic::datasets

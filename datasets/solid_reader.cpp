@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/distance_transform.h"
 #include "datasets/import.h"
 #include "datasets/interruption.h"
 #include "datasets/mesh_reader.h"
@@ -69,18 +70,33 @@ ScalarField<3> SolidGeometry::occlusion_mask(const DyadicGrid<3>& grid, const Pl
     if (seen.triangles.empty()) return {};
     for (auto* mesh : {&invented, &seen}) {
         for (auto& p : mesh->points) p = placement(p);
+        clean(*mesh);  // points of the other one must not count
     }
     const TriangleTree new_tree(invented), seen_tree(seen);
     const LevelSet<3> u = signed_distance(grid, placement);
-    const double h = grid.spacing(), far = 2.0;
+    const double h = grid.spacing(), spacing = 0.7 * h;
+    // Distances to samples are too large by less than `off`. That decides for most nodes, and far from a surface, where
+    // many triangles are almost equally near, the exact ones take long.
+    const int n = grid.nodes_per_axis();
+    const Lattice lattice{{n, n, n}, {0.0, 0.0, 0.0}, h};
+    const std::vector<float> sampled_new = distance_to_points(lattice, surface_samples(invented, spacing)),
+                             sampled_seen = distance_to_points(lattice, surface_samples(seen, spacing));
+    const double off = 1.2 * h;
     ScalarField<3> chi(grid, 1.0);
     tbb::parallel_for(std::size_t{0}, chi.values.size(), [&](std::size_t i) {
         interruption_point(i);
         if (u.values[i] > h) return;
+        const double farther = sampled_new[i] - sampled_seen[i];
+        // From so far away the samples are as good as the surface within a tenth of a cell.
+        const bool from_afar = std::min(sampled_new[i], sampled_seen[i]) > 8 * h;
+        if (from_afar || farther > 1.5 * h + off || farther < 0.5 * h - off) {
+            chi.values[i] = std::clamp(farther / h - 0.5, 0.0, 1.0);
+            return;
+        }
         const Point<3> x = grid.position(grid.node(i));
-        const double to_seen = seen_tree.nearest(x, far).distance;
+        const double to_seen = seen_tree.nearest(x, 1.001 * sampled_seen[i]).distance;
         // Points beyond the rim of a hole are as near to one as to the other.
-        const double to_new = new_tree.nearest(x, std::min(far, to_seen + 2 * h)).distance;
+        const double to_new = new_tree.nearest(x, to_seen + 2 * h).distance;
         chi.values[i] = std::clamp((to_new - to_seen) / h - 0.5, 0.0, 1.0);
     });
     return chi;

@@ -1,12 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "datasets/import.h"
 #include "datasets/interruption.h"
 #include "datasets/random_source.h"
 #include "datasets/solid_reader.h"
+#include "datasets/triangle_tree.h"
 #include "tests/datasets/solids/solid_files.h"
 
 namespace morphodesic::datasets {
@@ -33,6 +35,48 @@ TEST(SolidReader, BallFileBecomesItsDistance) {
     for (std::size_t i = 0; i < grid.node_count(); ++i) {
         const double exact = 0.2 - norm(grid.position(grid.node(i)) - Vector3{0.5, 0.5, 0.5});
         EXPECT_NEAR(shape.level_set.values[i], exact, (std::abs(exact) < 4.0 * grid.spacing() ? 0.005 : 0.2) / 32);
+    }
+}
+
+/// Most nodes are told apart by distances to samples: that must give what exact ones give.
+TEST(SolidReader, MasksAreThoseOfExactDistances) {
+    TriangleMesh egg = ball_mesh({}, 1.0, 4), seen, invented;
+    for (Vector3& p : egg.points) p = {p[0], 0.6 * p[1], 0.8 * p[2]};
+    std::vector<std::size_t> numbers;
+    for (std::size_t t = 0; t < egg.triangles.size(); ++t) {
+        const auto c = egg.corners(t);
+        if ((1.0 / 3.0 * (c[0] + c[1] + c[2]))[0] > 0.3) numbers.push_back(t);
+    }
+    const SolidGeometry geometry(egg, numbers);
+    const DyadicGrid<3> grid(5);
+    for (const double scale : {0.4, 0.1, 0.03}) {
+        const Placement<3> placement{scale, {0.5001, 0.4997, 0.5003}};
+        seen.points = invented.points = egg.points;
+        for (auto* mesh : {&seen, &invented}) {
+            mesh->triangles.clear();
+            for (Vector3& p : mesh->points) p = placement(p);
+        }
+        for (std::size_t t = 0; t < egg.triangles.size(); ++t) {
+            const bool is_new = std::binary_search(numbers.begin(), numbers.end(), t);
+            (is_new ? invented : seen).triangles.push_back(egg.triangles[t]);
+        }
+        const TriangleTree to_seen(seen), to_new(invented);
+        const ScalarField<3> chi = geometry.occlusion_mask(grid, placement);
+        const LevelSet<3> u = geometry.signed_distance(grid, placement);
+        const double h = grid.spacing();
+        std::size_t between = 0;
+        for (std::size_t i = 0; i < chi.values.size(); ++i) {
+            const Point<3> x = grid.position(grid.node(i));
+            const double seen_at = to_seen.nearest(x, 9).distance, new_at = to_new.nearest(x, 9).distance;
+            const double exact = u.values[i] > h ? 1.0 : std::clamp((new_at - seen_at) / h - 0.5, 0.0, 1.0);
+            if (std::min(seen_at, new_at) < 7.5 * h) {
+                EXPECT_EQ(chi.values[i], exact) << scale;
+            } else {
+                EXPECT_NEAR(chi.values[i], exact, 0.15) << scale;
+            }
+            between += chi.values[i] > 0.0 && chi.values[i] < 1.0 ? 1 : 0;
+        }
+        EXPECT_GT(between, 100U);
     }
 }
 
