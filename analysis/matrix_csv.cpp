@@ -52,6 +52,12 @@ double parse_distance(std::string_view cell, const std::string& source, std::siz
     return value + 0.0;
 }
 
+bool is_number(const std::string& cell) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    return error == std::errc() && end == cell.data() + cell.size();
+}
+
 }  // namespace
 
 DistanceMatrix read_distance_csv(std::istream& in, const std::string& source, const CsvReadOptions& options) {
@@ -67,6 +73,12 @@ DistanceMatrix read_distance_csv(std::istream& in, const std::string& source, co
         throw ParseError(
             source, header_line, 1, other ? "cells are not separated by commas" : "the header has no labels",
             "save a square table as comma-separated values, first row and first column holding the labels");
+    }
+    // Symmetric, so the first column would agree with the first row and both would be taken for labels.
+    if (std::all_of(cells.begin(), cells.end(), is_number)) {
+        throw ParseError(source, header_line, 1, "the table has no labels: its first row holds numbers only",
+                         "put a row with the label of each item above it and a column with the same labels before it, "
+                         "with an empty cell in the corner");
     }
     std::vector<std::string> labels(cells.begin() + 1, cells.end());
     std::unordered_map<std::string, std::size_t> column_of;

@@ -257,8 +257,11 @@ std::map<std::string, std::string> read_labels(const fs::path& file) {
         first = false;
         if (header || (row.fields.size() == 1 && row.fields[0].empty())) continue;
         if (row.fields.size() < 2) {
-            throw ReadError(file, "line " + std::to_string(row.line) + " has no label",
-                            "write two columns: file,label");
+            const bool other = row.fields[0].find_first_of(";\t") != std::string::npos;
+            throw ReadError(
+                file,
+                "line " + std::to_string(row.line) + (other ? " has no comma between its columns" : " has no label"),
+                "write two columns: file,label");
         }
         std::string name = fs::path(row.fields[0]).lexically_normal().generic_string();
         const auto [it, fresh] = label_of.emplace(name, row.fields[1]);

@@ -62,7 +62,8 @@ bool has_empty_alpha(const PixelImage& image) {
     return alpha(0) < 0.5 * image.max_value;
 }
 
-/// What is known to be hidden within the image: by the mask beside it and by the occluder's colour.
+/// What is known to be hidden within the image: by the mask beside it and by the occluder's colour. Empty if nothing is:
+/// a shape with a mask is taken as one that is partly hidden.
 Coverage hidden_within(const ShapeSource& source, const PixelImage& image, const ImportOptions& options,
                        std::vector<std::string>& notes) {
     Coverage hidden;
@@ -75,6 +76,7 @@ Coverage hidden_within(const ShapeSource& source, const PixelImage& image, const
     }
     if (!hidden.values.empty() && *std::max_element(hidden.values.begin(), hidden.values.end()) <= 0.5F) {
         notes.emplace_back("Nothing is hidden by the mask or the occluder's colour.");
+        return {};
     }
     return hidden;
 }

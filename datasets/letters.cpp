@@ -256,6 +256,7 @@ std::vector<Drawing> letters(const LettersOptions& options) {
     const Library library;
     std::vector<std::unique_ptr<Font>> fonts;
     for (const fs::path& file : files) {
+        if (!fs::exists(file)) throw ReadError(file, "there is no such file", "name a font file with --font");
         fonts.push_back(std::make_unique<Font>(library, file));
         if (!fonts.back()->usable())
             throw ReadError(file, "this is not a font with outlines", "name a TrueType, OpenType or Type 1 font");

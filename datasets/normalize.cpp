@@ -135,6 +135,11 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
         throw ReadError(raw.source.path, "at this scale no node of the grid lies in the shape",
                         finer + ", or leave the shape out");
     }
+    // A node in its middle may well see it, but the rim of a cell and the quadrature do not.
+    if (shape.volume < std::pow(grid.spacing(), Dim)) {
+        throw ReadError(raw.source.path, "at this scale the whole shape is smaller than a cell of the grid",
+                        finer + ", or leave the shape out");
+    }
     if (depth < grid.spacing()) {
         shape.notes.push_back("Thinner than two cells of the grid everywhere: " + finer + ".");
     }

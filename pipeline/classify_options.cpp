@@ -19,6 +19,12 @@ std::vector<std::string> ClassifyOptions::problems() const {
         result.emplace_back("--false-rejection must be at least 0 and below 1");
     if (!(least_confidence >= 0.0 && least_confidence <= 1.0))
         result.emplace_back("--least-confidence must be from 0 to 1");
+    if (!calibrate && least_confidence > 0.0)
+        result.emplace_back(
+            "--least-confidence needs the confidences that --no-calibrate leaves out; give one of the two");
+    if (!calibrate && false_rejection != ClassifyOptions().false_rejection)
+        result.emplace_back(
+            "--false-rejection has no effect with --no-calibrate, which rejects nothing; give one of the two");
     return result;
 }
 

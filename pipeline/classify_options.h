@@ -27,7 +27,9 @@ struct ClassifyOptions {
               "masked as "
               "in the paper), cut (the template is cut as the query is), filled (the hidden part is as stiff as the "
               "template's); or none (the masked path length of the paper)");
-        visit("largest-hidden", self.largest_hidden, "share of a shape that may be hidden");
+        visit("largest-hidden", self.largest_hidden,
+              "share of a shape that may be hidden: bounds what is estimated (--mask auto) and, with --normalize each, "
+              "the sizes that are tried; what a mask says is believed");
         visit("hidden-cost", self.hidden_cost,
               "--mask auto: what hiding a part costs, as a distance per root of its area");
         visit("alignments", self.alignments, "alignments per template that coarse geodesics decide between");

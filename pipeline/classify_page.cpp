@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "geodesic/grid/q1_element.h"
+#include "pipeline/path_files.h"
 #include "pipeline/path_pictures.h"
 #include "pipeline/png.h"
 #include "pipeline/run_settings.h"
@@ -13,7 +14,7 @@
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr int frame_pixels = 120;
+constexpr int strip_pixels = 120;
 
 std::string text_of(double value, const char* format = "%.4g") {
     if (std::isnan(value)) return "unknown";
@@ -90,13 +91,14 @@ reports::Filmstrip filmstrip(std::shared_ptr<const ComparedShape<Dim>> query, co
         strip.title += " (no path: " + distance.problem + ")";
         return strip;
     }
-    const PathPictures pictures = path_pictures(path, frame_pixels);
+    const PathPictures pictures = path_pictures(path, strip_pixels);
+    strip.colour_bar = colour_bar_of(pictures);
     const int level = whole.level_set.grid.level();
     strip.frames.push_back(
-        query_picture<Dim>(carried(matcher.level_set(start), start.motion, level), start.mask, frame_pixels));
+        query_picture<Dim>(carried(matcher.level_set(start), start.motion, level), start.mask, strip_pixels));
     for (std::size_t k = 1; k < pictures.frames.size(); ++k) strip.frames.push_back(encoded(pictures.frames[k]));
     if (!start.mask.values.empty() && start.hidden_share > 0.0) {
-        RgbaImage inferred = shape_picture(path.shapes[1], frame_pixels);
+        RgbaImage inferred = shape_picture(path.shapes[1], strip_pixels);
         tint_hidden(inferred, start.mask);
         strip.inferred = encoded(inferred);
     }

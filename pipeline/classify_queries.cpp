@@ -28,7 +28,10 @@ void apply_truth(const std::map<std::string, std::string>& truth, QueryList& lis
         source.label = found == truth.end() ? "" : found->second;
         unknown += found == truth.end() ? 1 : 0;
     }
-    if (unknown > 0) list.remarks.push_back(std::to_string(unknown) + " queries are not in the table of true classes.");
+    if (unknown > 0) {
+        list.remarks.push_back(std::to_string(unknown) + (unknown == 1 ? " query is" : " queries are") +
+                               " not in the table of true classes.");
+    }
 }
 
 /// A folder and a file in it, or one folder twice: classified once, or its results would count twice.
@@ -62,6 +65,7 @@ QueryList list_queries(const ClassifyCommandOptions& options) {
     QueryList list;
     std::optional<std::map<std::string, std::string>> truth;
     if (!options.truth.empty()) truth = datasets::read_labels(options.truth);
+    std::map<fs::path, std::map<std::string, std::string>> beside;  // tables by the folders of files that are named
     for (const fs::path& named : options.queries) {
         const std::size_t first = list.queries.size();
         if (fs::is_directory(named)) {
@@ -74,7 +78,16 @@ QueryList list_queries(const ClassifyCommandOptions& options) {
             if (own_table) apply_truth(datasets::read_labels(named / "truth.csv"), list, first);
         } else {
             try {
-                list.queries.push_back({datasets::single_source(named), ""});
+                datasets::ShapeSource source = datasets::single_source(named);
+                const fs::path table = named.parent_path() / "truth.csv";
+                std::error_code error;
+                if (!truth && fs::exists(table, error)) {
+                    if (!beside.contains(table)) beside.emplace(table, datasets::read_labels(table));
+                    const auto& labels = beside.at(table);
+                    const auto found = labels.find(named.filename().string());
+                    if (found != labels.end()) source.label = found->second;
+                }
+                list.queries.push_back({std::move(source), ""});
             } catch (const datasets::ReadError& error) {
                 list.failures.push_back({named.string(), "", error.what()});
                 continue;

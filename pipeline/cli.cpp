@@ -342,8 +342,10 @@ void CommandLine::add_classify() {
                     "known (masks beside the queries, occluder, border), none (take the queries as they are), auto "
                     "(estimate what is not known) or a mask image for the one query")
         ->capture_default_str();
-    sub->add_option("--truth", classify.truth,
-                    "table file,label of the true classes; default: truth.csv in the folder of the queries")
+    sub->add_option(
+           "--truth", classify.truth,
+           "table file,label of the true classes; default: truth.csv in the folder of the queries, or beside a "
+           "query that is named by itself")
         ->option_text("FILE");
     sub->add_flag("--leave-one-out", classify.leave_one_out, "classify every template by the others; without queries");
     sub->add_option("--pictures", classify.pictures, "queries whose paths are drawn on the page")
@@ -513,6 +515,14 @@ int parse_and_run(std::vector<std::string> arguments) {
         }
         return second.action();
     } catch (const CLI::ParseError& error) {
+        CommandLine tried(settings_of_preset("standard"));
+        std::string problem;
+        if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) problem = unknown_option(tried.app, arguments);
+        if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) problem = wrong_value(tried.app, arguments);
+        if (!problem.empty()) {
+            std::cerr << "morphodesic: " << problem << "\n";
+            return bad_usage;
+        }
         const int code = first.app.exit(error, std::cout, std::cerr);
         const std::string hint = code == 0 ? "" : dash_hint(arguments);
         if (!hint.empty()) std::cerr << "morphodesic: " << hint << "\n";

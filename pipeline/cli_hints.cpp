@@ -36,6 +36,23 @@ CLI::App* named_command(CLI::App& app, const std::vector<std::string>& words) {
     return nullptr;
 }
 
+/// The command as it is given: "datasets letters".
+std::string call_of(const CLI::App& command) {
+    std::string call = command.get_name();
+    for (const CLI::App* at = command.get_parent(); at->get_parent() != nullptr; at = at->get_parent()) {
+        call = at->get_name() + " " + call;
+    }
+    return call;
+}
+
+/// Names of the commands below `app`, kinds of datasets among them, that have an option.
+void commands_with(CLI::App& app, const std::string& option, std::string& names) {
+    for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_option_no_throw(option) != nullptr) names += (names.empty() ? "" : ", ") + call_of(*command);
+        commands_with(*command, option, names);
+    }
+}
+
 /// What an option takes, by the type that CLI11 gives it; empty if it may be any text.
 std::string kind_of(const CLI::Option& option) {
     const std::string type = option.get_type_name();
@@ -67,10 +84,7 @@ std::vector<std::string> wrong_options(CLI::App& app, const std::vector<std::str
     std::vector<std::string> problems;
     CLI::App* command = named_command(app, arguments);
     if (command == nullptr) return problems;
-    std::string call = command->get_name();
-    for (const CLI::App* at = command->get_parent(); at->get_parent() != nullptr; at = at->get_parent()) {
-        call = at->get_name() + " " + call;
-    }
+    const std::string call = call_of(*command);
     for (const ConfigOption& given : options) {
         const std::string at = given.file + ", line " + std::to_string(given.line) + ": ",
                           help = "; see morphodesic " + call + " --help";
@@ -85,6 +99,41 @@ std::vector<std::string> wrong_options(CLI::App& app, const std::vector<std::str
         }
     }
     return problems;
+}
+
+std::string unknown_option(CLI::App& app, const std::vector<std::string>& words) {
+    CLI::App* command = named_command(app, words);
+    if (command == nullptr) return "";
+    for (const std::string& word : words) {
+        if (word == "--") break;
+        const std::string name = word.substr(0, word.find('='));
+        if (name.rfind("--", 0) != 0 || name == "--config" || command->get_option_no_throw(name) != nullptr) continue;
+        std::string others;
+        commands_with(app, name, others);
+        const std::string call = call_of(*command);
+        return call + " has no option " + name + (others.empty() ? "" : ", it is one of: " + others) +
+               "; see morphodesic " + call + " --help";
+    }
+    return "";
+}
+
+std::string wrong_value(CLI::App& app, const std::vector<std::string>& words) {
+    CLI::App* command = named_command(app, words);
+    if (command == nullptr) return "";
+    for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+        const std::size_t equals = words[i].find('=');
+        const std::string name = words[i].substr(0, equals);
+        CLI::Option* option = name.rfind("--", 0) == 0 ? command->get_option_no_throw(name) : nullptr;
+        if (option == nullptr || (equals == std::string::npos && i + 1 == words.size())) continue;
+        const bool flag = option->get_items_expected_max() == 0;
+        if (flag && equals == std::string::npos) continue;
+        const ConfigOption given{"", name.substr(2),
+                                 equals == std::string::npos ? words[i + 1] : words[i].substr(equals + 1)};
+        if (const std::string refused = refusal(*option, given); !refused.empty()) {
+            return name + " cannot be " + given.value + ": " + refused;
+        }
+    }
+    return "";
 }
 
 std::string dash_hint(const std::vector<std::string>& words) {

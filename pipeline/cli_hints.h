@@ -22,6 +22,13 @@ namespace morphodesic::pipeline {
 [[nodiscard]] std::vector<std::string> wrong_options(CLI::App& app, const std::vector<std::string>& arguments,
                                                      const std::vector<ConfigOption>& options);
 
+/// An option among the words that the command does not have, with the commands that have it; else empty.
+[[nodiscard]] std::string unknown_option(CLI::App& app, const std::vector<std::string>& words);
+
+/// A value among the words that is not of the kind its option takes ("5.5" for a whole number); else empty.
+/// @param app  parses them into variables that nobody uses
+[[nodiscard]] std::string wrong_value(CLI::App& app, const std::vector<std::string>& words);
+
 /// What to write for a file whose name begins as options do, if there is one among the words; else empty.
 [[nodiscard]] std::string dash_hint(const std::vector<std::string>& words);
 

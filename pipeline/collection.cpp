@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -33,6 +34,8 @@ std::string reading_digest(const datasets::ShapeSource& source, const std::strin
     std::string text = file_digest + "\n" + canonical_text(options);
     if (source.dimension == 3) text += "solid reader " + std::to_string(datasets::solid_reader_revision);
     if (!source.mask_path.empty()) text += "mask " + datasets::file_digest(source.mask_path);
+    // Shapes with nothing of the occluder's colour once had masks, too.
+    if (source.dimension == 2 && !options.occluder.empty()) text += "occluder 2";
     return digest(text);
 }
 
@@ -130,7 +133,7 @@ CommonScale common_scale_of(const Collection& collection, const ResultStore& sto
         const StoredShape& row = entry.row;
         if (row.problem.empty()) files.push_back({row.name, row.file_digest, row.extent_radius});
     }
-    return choose_common_scale(files, collection.import, store);
+    return choose_common_scale(files, collection.import, collection.dimension, store);
 }
 
 /// Says so if the study was made from a folder of other shapes; else empty.
@@ -215,6 +218,11 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     if (std::string remark = datasets::mirror_remark(settings.import.mirror, scan.sources); !remark.empty()) {
         collection.remarks.push_back(std::move(remark));
     }
+    if (const auto before = store.fact("dimension"); before && *before != std::to_string(collection.dimension)) {
+        collection.remarks.push_back("So far this study was one of " +
+                                     std::string(*before == "3" ? "solids" : "images") +
+                                     "; its results stay in the store and come back with --dimension " + *before + ".");
+    }
     collection.import = settings.import;
     collection.placement.mode = settings.normalize;
     collection.placement.level = shape_level(collection.dimension, settings.geodesic);
@@ -265,10 +273,15 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     for (const auto& [name, shape] : known) {
         if (!names.contains(name)) collection.gone.push_back(name);
     }
-    if (const auto& gone = collection.gone; !gone.empty()) {
+    std::vector<std::string> gone;  // those of the other dimension may well be there
+    std::copy_if(collection.gone.begin(), collection.gone.end(), std::back_inserter(gone),
+                 [&](const std::string& name) { return known.at(name).dimension == collection.dimension; });
+    if (!gone.empty()) {
         collection.remarks.push_back(std::to_string(gone.size()) +
-                                     " files of the last run are no longer in the folder (" + gone.front() +
-                                     (gone.size() > 1 ? ", ..." : "") + "); their results stay in the store.");
+                                     (gone.size() > 1 ? " files of the last run are no longer in the folder ("
+                                                      : " file of the last run is no longer in the folder (") +
+                                     gone.front() + (gone.size() > 1 ? ", ...); their" : "); its") +
+                                     " results stay in the store.");
     }
     return collection;
 }

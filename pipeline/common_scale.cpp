@@ -19,11 +19,13 @@ double number_from(const std::string& text) {
 }
 
 /// What a frozen scale belongs to: the options that decide what is read. Limits only decide whether.
-std::string fact_of(datasets::ImportOptions options) {
+/// @param dimension  0: as older programs wrote it, which had one scale for images and solids
+std::string fact_of(datasets::ImportOptions options, int dimension) {
     const datasets::ImportOptions defaults;
     options.max_megabytes = defaults.max_megabytes;
     options.max_megapixels = defaults.max_megapixels;
-    return "common_scale of " + digest(canonical_text(options));
+    return "common_scale of " + digest(canonical_text(options)) +
+           (dimension == 0 ? "" : " in " + std::to_string(dimension) + "D");
 }
 
 std::string origin_fact(const std::string& fact) {
@@ -62,8 +64,9 @@ bool any_was_there(const std::string& origin, const std::vector<SizedFile>& file
 }
 
 std::string pairs_of(std::size_t shapes) {
-    return " All shapes are placed anew: up to " + std::to_string(shapes * (shapes - 1) / 2) +
-           " pairs to compute. Results of the old scale stay in the store and come back with ";
+    const std::size_t pairs = shapes * (shapes - 1) / 2;
+    return " All shapes are placed anew: up to " + std::to_string(pairs) + (pairs == 1 ? " pair" : " pairs") +
+           " to compute. Results of the old scale stay in the store and come back with ";
 }
 
 }  // namespace
@@ -74,25 +77,30 @@ std::string exact_text(double x) {
 }
 
 CommonScale choose_common_scale(const std::vector<SizedFile>& files, const datasets::ImportOptions& options,
-                                const ResultStore& store) {
+                                int dimension, const ResultStore& store) {
     CommonScale chosen;
     if (files.empty()) return chosen;
     std::vector<double> sizes;
     for (const SizedFile& file : files) sizes.push_back(file.size);
     const double needed = datasets::common_scale(sizes);
-    chosen.fact = fact_of(options);
+    chosen.fact = fact_of(options, dimension);
     const auto anew = [&](std::string remark) {
         chosen.scale = needed;
         chosen.origin = origin_of(files);
         chosen.remark = std::move(remark);
         return chosen;
     };
-    auto frozen = store.fact(chosen.fact);
-    // Studies of older programs have one scale only.
-    if (!frozen && store.fact("common_scale_key") == canonical_text(options)) frozen = store.fact("common_scale");
+    auto frozen = store.fact(chosen.fact), origin = store.fact(origin_fact(chosen.fact));
+    if (!frozen && store.fact("dimension") == std::to_string(dimension)) {
+        const std::string former = fact_of(options, 0);
+        frozen = store.fact(former);
+        origin = store.fact(origin_fact(former));
+        // Studies of still older programs have one scale only.
+        if (!frozen && store.fact("common_scale_key") == canonical_text(options)) frozen = store.fact("common_scale");
+    }
     if (!frozen) return anew("");
     chosen.scale = number_from(*frozen);
-    chosen.origin = store.fact(origin_fact(chosen.fact)).value_or("");
+    chosen.origin = origin.value_or("");
     constexpr double rounding = 1e-12;
     if (chosen.scale > needed * (1 + rounding)) {
         return anew("A new shape, " + std::max_element(files.begin(), files.end(), smaller)->name +

@@ -25,10 +25,11 @@ struct CommonScale {
 
 /// The frozen scale of a study, so that a file more or less leaves the distances of the others as they are; or a new
 /// one where there is none, a shape does not fit, none of the shapes was there when it was fixed, or the file that
-/// fixed it is gone and the others are much smaller. One is kept for each way of reading, so that whoever comes back
-/// to the options of before finds the distances of before. The store is only read.
+/// fixed it is gone and the others are much smaller. One is kept for each way of reading and each dimension, so that
+/// whoever comes back to the options of before finds the distances of before. The store is only read.
 [[nodiscard]] CommonScale choose_common_scale(const std::vector<SizedFile>& files,
-                                              const datasets::ImportOptions& options, const ResultStore& store);
+                                              const datasets::ImportOptions& options, int dimension,
+                                              const ResultStore& store);
 
 inline constexpr const char* common_scale_help = "lengths of the unit cube per unit of the files, one for all";
 

@@ -65,6 +65,16 @@ bool is_path_file(const fs::path& name) {
     return number.size() >= 2 && digits_of(number) == number.size();
 }
 
+reports::ColourBar colour_bar_of(const PathPictures& pictures) {
+    reports::ColourBar bar;
+    bar.quantity = "viscous dissipation rate density";
+    bar.unit = "1/time²";
+    bar.low = 0.0;
+    bar.high = pictures.highest;
+    bar.colours = dissipation_colours(9);
+    return bar;
+}
+
 template <int Dim>
 DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view) {
     double reach = 0.0;
@@ -73,11 +83,7 @@ DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view) {
     DrawnPath drawn;
     for (const RgbaImage& frame : pictures.frames)
         drawn.frames.push_back({encode_png(frame), frame.width, frame.height, ""});
-    drawn.colour_bar.quantity = "viscous dissipation rate density";
-    drawn.colour_bar.unit = "1/time²";
-    drawn.colour_bar.low = 0.0;
-    drawn.colour_bar.high = pictures.highest;
-    drawn.colour_bar.colours = dissipation_colours(9);
+    drawn.colour_bar = colour_bar_of(pictures);
     return drawn;
 }
 

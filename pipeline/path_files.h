@@ -21,6 +21,8 @@ struct DrawnPath {
     std::vector<reports::Picture> frames;
     reports::ColourBar colour_bar;
 };
+/// What the colours of the frames say.
+[[nodiscard]] reports::ColourBar colour_bar_of(const PathPictures& pictures);
 template <int Dim>
 [[nodiscard]] DrawnPath draw_path(const GeodesicResult<Dim>& path, const SolidView& view = {});
 

@@ -1,6 +1,7 @@
 #include "pipeline/study_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -10,6 +11,50 @@
 #include "pipeline/wanted_pairs.h"
 
 namespace morphodesic::pipeline {
+namespace {
+
+/// Files of equal content: each is the nearest neighbour of the other, which accuracies count.
+std::string remark_on_equal(const std::vector<StoredShape>& shapes) {
+    std::map<std::string, std::vector<const StoredShape*>> same;
+    for (const StoredShape& shape : shapes) same[shape.content_digest].push_back(&shape);
+    std::size_t files = 0;
+    const std::vector<const StoredShape*>* example = nullptr;
+    for (const auto& [content, group] : same) {
+        if (group.size() < 2) continue;
+        files += group.size();
+        if (example == nullptr || group.front()->name < example->front()->name) example = &group;
+    }
+    if (files == 0) return "";
+    return std::to_string(files) + " of the " + std::to_string(shapes.size()) +
+           " shapes are equal to another one (such as " + (*example)[0]->name + " and " + (*example)[1]->name +
+           "): their distance is 0, and they are nearest neighbours of each other.";
+}
+
+/// Long shapes do not have the volume of the others in the cube, see datasets::placement_of.
+std::string remark_on_sizes(const StudyData& data) {
+    if (data.settings.normalize != "each" || data.shapes.empty()) return "";
+    const auto less = [](const StoredShape& a, const StoredShape& b) { return a.volume < b.volume; };
+    const auto [small, large] = std::minmax_element(data.shapes.begin(), data.shapes.end(), less);
+    constexpr double much = 0.05;
+    const double spread = 1.0 - small->volume / large->volume;
+    if (!(spread > much)) return "";
+    const std::string size = data.dimension == 2 ? "area" : "volume";
+    return "--normalize each could not make all shapes equally large, as long ones do not fit into the cube then: " +
+           small->name + " has " + std::to_string(std::lround(100 * (1.0 - spread))) + " % of the " + size + " of " +
+           large->name + ", and distances count that, too.";
+}
+
+/// A mask counts at the first shape of a path, see GeodesicOptions.
+std::string remark_on_masks(const std::vector<StoredShape>& shapes, const std::set<std::string>& masked) {
+    const auto hidden = std::count_if(shapes.begin(), shapes.end(),
+                                      [&](const StoredShape& shape) { return masked.contains(shape.content_digest); });
+    if (hidden < 2) return "";
+    return std::to_string(hidden) +
+           " shapes are partly hidden; of a pair of these only what the first one hides (path_from in pairs.csv) is "
+           "left out of account, and what is hidden of the other counts as if it were not there.";
+}
+
+}  // namespace
 
 StudyData load_study(const ResultStore& store) {
     StudyData data;
@@ -28,6 +73,10 @@ StudyData load_study(const ResultStore& store) {
             data.failures.push_back({shape.name, "", shape.problem.empty() ? "not read yet" : shape.problem});
             data.unusable.push_back(std::move(shape));
         }
+    }
+    for (std::string remark : {remark_on_equal(data.shapes), remark_on_sizes(data),
+                               remark_on_masks(data.shapes, store.masked_level_sets())}) {
+        if (!remark.empty()) data.remarks.push_back(std::move(remark));
     }
     data.distances = analysis::DistanceMatrix(names);
     data.pairs.resize(data.distances.pair_count());

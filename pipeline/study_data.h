@@ -47,7 +47,7 @@ struct StudyData {
     std::map<std::size_t, StudyFailure>
         damaged;                       ///< condensed index: pairs with a damaged result; they are missing, too
     long pairs_missing = 0;            ///< not computed yet; of a screening: of its present round
-    std::vector<std::string> remarks;  ///< on a table of distances
+    std::vector<std::string> remarks;  ///< what a user should know of the shapes or the table, one sentence each
     bool given = false;                ///< a table of distances: shapes have names and classes only, pairs no geodesics
     std::vector<analysis::DirectedPair> given_directions;  ///< of a table that is not symmetric
 

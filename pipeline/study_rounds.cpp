@@ -59,6 +59,16 @@ std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
     return keys;
 }
 
+long StudyRounds::geodesics_of_finer_levels() const {
+    long count = 0;
+    for (std::size_t level = 1; level < rows.size(); ++level) {
+        count += std::count_if(rows[level].begin(), rows[level].end(), [&](const auto& row) {
+            return shapes.contains(row.first.first) && shapes.contains(row.first.second);
+        });
+    }
+    return count;
+}
+
 StudyRounds rounds_of(const ResultStore& store, const RunSettings& settings, const ResultStore::OnDamage& on_damage) {
     StudyRounds rounds;
     rounds.levels = screening_levels(settings.geodesic, settings.pairs.neighbors);

@@ -19,6 +19,7 @@ constexpr std::string_view own_style = R"(
 .film { display: flex; flex-wrap: wrap; gap: 4px; align-items: flex-end; margin: .2rem 0 1rem; }
 .film figure { margin: 0; text-align: center; font-size: .75rem; color: var(--soft); }
 .film img { width: 104px; height: 104px; background: var(--plate); border-radius: 4px; display: block; }
+.film + .colour-bar { max-width: 420px; margin-top: -.6rem; }
 .wrong { color: var(--accent); }
 .hit { background: rgb(var(--share-ink) / .18); }
 .miss { background: rgb(var(--wrong-ink) / .22); }
@@ -52,6 +53,16 @@ std::string confusion_table(const ClassificationPage& page) {
     return html + "</tbody></table></div></section>\n";
 }
 
+std::string colour_bar(const ColourBar& bar) {
+    if (bar.colours.empty()) return "";
+    std::string ramp;
+    for (const std::string& colour : bar.colours) ramp += (ramp.empty() ? "" : ", ") + colour;
+    return "<div class=\"colour-bar\"><span>" + escape_markup(bar.quantity + " [" + bar.unit + "]") +
+           "</span><span class=\"ramp\"><span>" + short_number(bar.low, 3) +
+           "</span><i style=\"background:linear-gradient(to right, " + escape_markup(ramp) + ")\"></i><span>" +
+           short_number(bar.high, 3) + "</span></span></div>";
+}
+
 std::string query_section(const ClassifiedQuery& q, std::size_t number) {
     std::string html = "<section class=\"query\" id=\"query-" + std::to_string(number) + "\"><div>";
     html += image(q.picture, "shape", q.name + ": what is visible; grey is hidden");
@@ -75,7 +86,7 @@ std::string query_section(const ClassifiedQuery& q, std::size_t number) {
             html += "<figure>" + image(strip.inferred, "inferred", "orange: inferred where the query is hidden") +
                     "inferred (orange)</figure>";
         }
-        html += "</div>";
+        html += "</div>" + colour_bar(strip.colour_bar);
     }
     html +=
         "<div class=\"scroll\"><table><caption>Nearest templates</caption><thead><tr><th>template</th><th>class</th>"

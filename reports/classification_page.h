@@ -12,6 +12,7 @@ namespace morphodesic::reports {
 struct Filmstrip {
     std::string title;
     std::vector<Picture> frames;
+    ColourBar colour_bar;  ///< of the frames after the first
     Picture inferred;  ///< the query completed by this template; empty if nothing was hidden
 };
 

@@ -1,11 +1,14 @@
 #include <cairo-pdf.h>
 #include <cairo.h>
 #include <librsvg/rsvg.h>
+#include <png.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <stdexcept>
 
 #include "reports/figures.h"
@@ -56,6 +59,49 @@ void check(cairo_status_t status) {
     }
 }
 
+/// An opaque surface as PNG. Figures have few colours and long runs of them: without filters and with little effort the
+/// files are as small as those that cairo writes, in a fifth of the time.
+std::string png_of(cairo_surface_t* surface) {
+    cairo_surface_flush(surface);
+    const int width = cairo_image_surface_get_width(surface), height = cairo_image_surface_get_height(surface);
+    std::string bytes;
+    const auto failed = [](png_structp, png_const_charp message) {
+        throw std::runtime_error(std::string("the figure cannot be written as PNG: ") + message);
+    };
+    png_structp png =
+        png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, failed, [](png_structp, png_const_charp) {});
+    if (png == nullptr) throw std::bad_alloc();
+    png_infop info = png_create_info_struct(png);
+    try {
+        png_set_write_fn(
+            png, &bytes,
+            [](png_structp to, png_bytep part, std::size_t length) {
+                static_cast<std::string*>(png_get_io_ptr(to))->append(reinterpret_cast<const char*>(part), length);
+            },
+            nullptr);
+        png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
+                     PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+        png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+        png_set_compression_level(png, 4);
+        png_write_info(png, info);
+        // Cairo's pixels are words 0x00RRGGBB.
+        if constexpr (std::endian::native == std::endian::little) {
+            png_set_bgr(png);
+            png_set_filler(png, 0, PNG_FILLER_AFTER);
+        } else {
+            png_set_filler(png, 0, PNG_FILLER_BEFORE);
+        }
+        const unsigned char* row = cairo_image_surface_get_data(surface);
+        for (int y = 0; y < height; ++y, row += cairo_image_surface_get_stride(surface)) png_write_row(png, row);
+        png_write_end(png, info);
+    } catch (...) {
+        png_destroy_write_struct(&png, &info);
+        throw;
+    }
+    png_destroy_write_struct(&png, &info);
+    return bytes;
+}
+
 }  // namespace
 
 std::string svg_to_png(const std::string& svg, int width, double scale) {
@@ -70,9 +116,7 @@ std::string svg_to_png(const std::string& svg, int width, double scale) {
     cairo_paint(cr.get());
     drawing.draw(cr.get(), w, h);
     check(cairo_status(cr.get()));
-    std::string bytes;
-    check(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
-    return bytes;
+    return png_of(surface.get());
 }
 
 std::string svg_to_pdf(const std::string& svg) {
@@ -104,9 +148,7 @@ std::string raster_png(int width, int height, const std::vector<std::string>& co
         }
     }
     cairo_surface_mark_dirty(surface.get());
-    std::string bytes;
-    check(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
-    return bytes;
+    return png_of(surface.get());
 }
 
 }  // namespace morphodesic::reports

@@ -139,7 +139,7 @@ void draw_matrix(Svg& svg, const FigureStudy& s, const std::vector<std::size_t>&
     for (std::size_t k = 0; numbers && k < s.m.distances.size(); ++k) {
         if (std::isfinite(s.m.distances[k])) longest = std::max(longest, short_number(s.m.distances[k]).size());
     }
-    const double letters = std::min({13.0, cell / 3.6, cell / (0.58 * static_cast<double>(longest))});
+    const double letters = std::min({13.0, cell / 3.6, cell / (0.68 * static_cast<double>(longest))});
     std::vector<std::string> colours;
     for (const std::size_t i : order) {
         for (const std::size_t j : order) {

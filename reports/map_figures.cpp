@@ -1,6 +1,7 @@
 #include "reports/map_figures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <set>
@@ -100,8 +101,25 @@ std::vector<Edge> few_edges(const FigureStudy& s) {
     return edges;
 }
 
+/// Width of a text in small letters.
+double text_width(const std::string& text) {
+    return 5.8 * static_cast<double>(text.size());
+}
+
+/// How much of two boxes, given by the distances of their middles and the sums of their half sides, is in common: 0
+/// to 1.
+double overlap(double dx, double dy, double wide, double tall) {
+    return std::max(0.0, 1 - std::abs(dx) / wide) * std::max(0.0, 1 - std::abs(dy) / tall);
+}
+
+/// How far below the middle of a shape the middle of its name is.
+double name_below(double picture) {
+    return (picture > 0 ? 0.62 * picture : 4.5) + 9;
+}
+
 /// Where on its edge each number stands: as near to the middle as other numbers, pictures and names allow.
-std::vector<std::pair<double, double>> label_places(const std::vector<Edge>& edges, const Layout& l, double picture) {
+std::vector<std::pair<double, double>> label_places(const FigureStudy& s, const std::vector<Edge>& edges,
+                                                    const Layout& l, double picture) {
     std::vector<std::pair<double, double>> places;
     const auto x = [&](int i) { return l.across(l.x[static_cast<std::size_t>(i)]); };
     const auto y = [&](int i) { return l.up(l.y[static_cast<std::size_t>(i)]); };
@@ -109,17 +127,16 @@ std::vector<std::pair<double, double>> label_places(const std::vector<Edge>& edg
     for (const Edge& e : edges) {
         std::pair<double, double> best;
         double least = HUGE_VAL;
-        for (const double t : {0.5, 0.43, 0.57, 0.36, 0.64, 0.3, 0.7}) {
+        for (const double t : {0.5, 0.43, 0.57, 0.36, 0.64, 0.3, 0.7, 0.24, 0.76, 0.18, 0.82}) {
             const double px = x(e.a) + t * (x(e.b) - x(e.a)), py = y(e.a) + t * (y(e.b) - y(e.a));
             double harm = std::abs(t - 0.5);
             for (const auto& [qx, qy] : places) {
-                harm += 10 * std::max(0.0, 1 - std::abs(px - qx) / wide) * std::max(0.0, 1 - std::abs(py - qy) / tall);
+                harm += 10 * overlap(px - qx, py - qy, wide, tall);
             }
             for (const std::size_t i : l.drawn) {
                 const double dx = px - x(static_cast<int>(i)), dy = py - y(static_cast<int>(i));
                 harm += 10 * std::max(0.0, 1 - std::hypot(dx, dy) / (0.62 * picture + 14));
-                harm += 10 * std::max(0.0, 1 - std::abs(dx) / (wide + 10)) *
-                        std::max(0.0, 1 - std::abs(dy - 0.62 * picture - 9) / tall);
+                harm += 10 * overlap(dx, dy - name_below(picture), (wide + text_width(s.short_name(i))) / 2, tall);
             }
             if (harm < least) least = harm, best = {px, py};
         }
@@ -149,15 +166,16 @@ void draw_graph(Svg& svg, const FigureStudy& s, const Layout& l, const std::vect
         } else {
             svg.circle(x(k), y(k), 4.5, s.colour(i), "#ffffff", 0.8);
         }
-        if (labelled) {
-            svg.text(x(k), y(k) + (pictured ? 0.62 * picture : 4.5) + 9, s.short_name(i), 10, "middle", ink, false,
-                     "#ffffff");
-        }
     }
     if (!labelled) return;
+    for (const auto i : l.drawn) {  // over all pictures, or a neighbour's would cover a name
+        const int k = static_cast<int>(i);
+        const bool pictured = picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty();
+        svg.text(x(k), y(k) + name_below(pictured ? picture : 0), s.short_name(i), 10, "middle", ink, false, "#ffffff");
+    }
     std::vector<Edge> numbered;
     std::copy_if(edges.begin(), edges.end(), std::back_inserter(numbered), visible);
-    const auto places = label_places(numbered, l, picture);
+    const auto places = label_places(s, numbered, l, picture);
     for (std::size_t k = 0; k < numbered.size(); ++k) {
         svg.text(places[k].first, places[k].second, short_number(numbered[k].length), 11, "middle", ink, true,
                  "#ffffff");
@@ -192,7 +210,21 @@ Figure embedding_figure(const FigureStudy& s, const Embedding& e) {
     for (std::size_t q = 0; q < queries.size(); ++q) {
         const double x = l.across(l.x[s.n + q]), y = l.up(l.y[s.n + q]), r = 8;
         svg.area({{{x, y - r}, {x + r, y}, {x, y + r}, {x - r, y}}}, "#c2410c", "#ffffff", 1.5);
-        svg.text(x, y - 15, queries[q], 10, "middle", ink, true, "#ffffff");
+    }
+    std::vector<std::array<double, 3>> names;  // middle and width of those that stand already
+    for (const std::string& query : queries) {
+        const std::size_t q = s.n + names.size();
+        const double x = l.across(l.x[q]), y = l.up(l.y[q]), width = 1.1 * text_width(query), beside = width / 2 + 12;
+        std::array<double, 3> best{};
+        double least = HUGE_VAL;
+        for (const auto& [dx, dy] :
+             {std::pair(0.0, -15.0), {0.0, 17.0}, {beside, 0.0}, {-beside, 0.0}, {0.0, -28.0}, {0.0, 30.0}}) {
+            double harm = 0.001 * std::hypot(dx, dy);
+            for (const auto& [nx, ny, wide] : names) harm += overlap(x + dx - nx, y + dy - ny, (width + wide) / 2, 13);
+            if (harm < least) least = harm, best = {x + dx, y + dy, width};
+        }
+        names.push_back(best);
+        svg.text(best[0], best[1], query, 10, "middle", ink, true, "#ffffff");
     }
     svg.close_group();
     draw_legend(svg, s, 64, l.height + 66, 760);
@@ -219,13 +251,17 @@ Figure graph_figure(const FigureStudy& s, const Embedding& e) {
 }
 
 Figure page_figure(const FigureStudy& s, const Embedding& e) {
-    const double cell = 430.0 / static_cast<double>(s.n), side = s.pictured ? std::min(cell - 2, 56.0) : 0,
+    double label = 0.0;  // of the rows, between the graph and the matrix
+    for (std::size_t i = 0; i < s.n; ++i) label = std::max(label, text_width(s.short_name(i)));
+    const double shapes = static_cast<double>(s.n), right = 1070.0;
+    const double left = std::max(640.0, 545 + label + 14 + (s.pictured ? std::min(430.0 / shapes, 56.0) : 0));
+    const double cell = (right - left) / shapes, side = s.pictured ? std::min(cell - 2, 56.0) : 0,
                  picture = s.pictured ? 62 : 0;
     Svg svg(1123, 776 + std::max(18.0, legend_height(s, 1040)));
     svg.text(40, 44, s.m.study, 22, "start", ink, true);
     svg.text(40, 72,
              std::to_string(s.n) + " shapes, " + std::to_string(s.m.pairs_done) +
-                 (s.m.given_matrix ? " distances" : " geodesics") +
+                 (s.m.given_matrix ? " distances" : " pairs") +
                  (s.m.distance_unit.empty() ? "" : "; distances are path lengths, unit: " + s.m.distance_unit),
              12);
     auto l = layout(e, s.n, 500, 600, 70);
@@ -236,9 +272,9 @@ Figure page_figure(const FigureStudy& s, const Embedding& e) {
     svg.open_group(30, 110 + std::max(0.0, (560 - l.height) / 2));
     draw_graph(svg, s, l, few_edges(s), picture, true);
     svg.close_group();
-    svg.open_group(640, 150 + side);
+    svg.open_group(left, 150 + side);
     draw_matrix(svg, s, s.order(), cell, side, true);
-    draw_colour_bar(svg, 0, 450, 240, s.top > 0 ? s.top : 1, s.distance_title());
+    draw_colour_bar(svg, 0, cell * shapes + 20, 240, s.top > 0 ? s.top : 1, s.distance_title());
     svg.close_group();
     draw_legend(svg, s, 40, 760, 1040);
     return {"page", "All shapes at a glance", svg.document(s.m.study)};

@@ -110,22 +110,26 @@ public:
         const std::size_t n = set_.shapes.size();
         progress_.message("classifying " + std::to_string(n) + " templates against each other");
         std::vector<std::vector<TemplateResult<Dim>>> rows(n);
+        std::vector<double> row_seconds(n, 0.0);
         ClassifyOptions classify = options_.classify;
         // Medoids and tables of hits need all distances alike.
         if (per_class > 0 || options_.leave_one_out) classify.screening = false;
         const double begin = now();
         count(n, [&](std::size_t i) {
+            const double at = now();
             try {
                 const PartialMatcher<Dim> matcher(set_.shapes[i], classify, set_.placement.mode,
                                                   options_.settings.geodesic.align, options_.mask == "auto", mirror_);
                 rows[i] =
                     compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic, classify, stopped, i);
+                row_seconds[i] = now() - at;
             } catch (const std::exception& error) {
                 const std::scoped_lock lock(mutex_);
                 run.failures.push_back({set_.shapes[i]->name, "", set_.shapes[i]->name + ": " + error.what()});
             }
         });
         loo_seconds_ = now() - begin;
+        row_seconds_ = std::move(row_seconds);
         loo_rows_ = rows;
         std::vector<std::string> names;
         for (const auto& shape : set_.shapes) names.push_back(shape->name);
@@ -149,7 +153,18 @@ public:
         }
         for (const auto& [pair, cell] : cells) distances_.set(pair.first, pair.second, cell.distance);
         if (per_class > 0) keep_medoids(static_cast<std::size_t>(per_class));
-        if (options_.classify.calibrate) run.calibration = analysis::calibrate(distances_, classes_, ranking_);
+        if (options_.classify.calibrate) {
+            run.calibration = analysis::calibrate(distances_, classes_, ranking_);
+            const double rate = ranking_.false_rejection;
+            if (rate > 0.0 && !std::isfinite(run.calibration->novelty_limit)) {
+                char text[240];
+                std::snprintf(text, sizeof text,
+                              "No query is rejected as of no template's class: for --false-rejection %g at least %.0f "
+                              "templates are needed whose classes have others, and there are %ld.",
+                              rate, std::ceil(1.0 / rate - 1.0 - 1e-9), static_cast<long>(run.calibration->queries));
+                run.remarks.emplace_back(text);
+            }
+        }
         finish_templates();
     }
 
@@ -160,6 +175,7 @@ public:
         for (std::size_t i = 0; i < set_.shapes.size(); ++i) {
             run.queries.push_back(result_of(*set_.shapes[i], loo_rows_[i]));
             run.queries.back().truth = set_.shapes[i]->label;
+            run.queries.back().seconds = row_seconds_[i];
         }
     }
 
@@ -347,6 +363,7 @@ private:
     analysis::DistanceMatrix distances_;
     std::vector<std::vector<TemplateResult<Dim>>> loo_rows_;
     double loo_seconds_ = 0.0;
+    std::vector<double> row_seconds_;  ///< of the templates as queries
     bool mirror_ = false;
     std::vector<Pictured> pictured_;
     std::mutex mutex_;
@@ -354,9 +371,7 @@ private:
 
 fs::path results_folder(const ClassifyCommandOptions& options) {
     if (!options.out.empty()) return options.out;
-    fs::path first = (options.queries.empty() ? options.templates : options.queries.front()).lexically_normal();
-    if (first.filename().empty()) first = first.parent_path();
-    if (first == "." || first.filename() == "..") first = fs::canonical(first);  // a name to put the ending to
+    const fs::path first = with_last_name(options.queries.empty() ? options.templates : options.queries.front());
     const bool has_ending = !fs::is_directory(first) || first.extension() == ".study";
     return first.parent_path() / ((has_ending ? first.stem() : first.filename()).string() + ".classified");
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pipeline/commands/summary.h"
+#include "pipeline/study_folder.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -63,10 +64,8 @@ int write_queries(const DatasetOptions& options) {
     std::vector<StudyFailure> failures;
     for (const auto& problem : scan.problems) failures.push_back({"", "", problem.message()});
     if (scan.sources.empty()) throw std::invalid_argument(options.source.string() + ": no shapes to occlude");
-    fs::path from = options.source.lexically_normal();
-    if (from.filename().empty()) from = from.parent_path();
-    if (from == "." || from.filename() == "..") from = fs::canonical(from);  // a name to put the ending to
-    const fs::path folder = options.out.empty() ? fs::path(from.string() + ".occluded") : options.out;
+    const fs::path folder =
+        options.out.empty() ? fs::path(with_last_name(options.source).string() + ".occluded") : options.out;
     const datasets::OcclusionSummary written =
         datasets::write_occluded(scan.sources, folder, options.occlusion, options.reading.import);
     for (const auto& problem : written.problems) failures.push_back({"", "", problem.message()});
@@ -84,6 +83,11 @@ int write_queries(const DatasetOptions& options) {
                                  : written.queries == 1 ? " with mask"
                                                         : " with masks") +
                                 " and truth.csv in " + folder.string());
+        if (written.repeated > 0) {
+            summary.add_remark(std::to_string(written.repeated) +
+                               (written.repeated == 1 ? " query is" : " queries are") +
+                               " left out, as the shapes have fewer different limbs than --per-shape asks for.");
+        }
         summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
                                 options.source.string());
     }
@@ -101,7 +105,7 @@ void add_occlude(CLI::App& datasets_command, DatasetOptions& options,
         "  morphodesic datasets occlude feet --fraction 0.2 --direction 1,0,0           solids without their toes");
     sub->add_option("folder", options.source, "folder of the shapes")->required();
     sub->add_option("--out", options.out, "folder of the queries; default: FOLDER.occluded")->option_text("FOLDER");
-    sub->add_option("--fraction", options.occlusion.fraction, "share of the shape's area to hide")
+    sub->add_option("--fraction", options.occlusion.fraction, "share of the shape's area to hide, above 0 and below 1")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     sub->add_option("--kind", options.occlusion.kind, "half-plane, disk, stripe or limb")

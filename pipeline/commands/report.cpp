@@ -95,15 +95,16 @@ struct Subject {
     explicit Subject(const StudyOptions& options) : folder(folder_of(options)) {
         if (is_table(options)) {
             data = read_given_matrix(options.study, {options.errors, options.asymmetric});
-            folder.create();
+            if (!options.labels.empty()) label_shapes(data, options.labels);
+            folder.create();  // not for a table that is refused
             lock.emplace(folder);
         } else {
             expect_store(folder.store());
             lock.emplace(folder);
             data = load_study(ResultStore(folder.store(), ResultStore::Access::read));
             refuse_without_usable_shapes(data, folder);
+            if (!options.labels.empty()) label_shapes(data, options.labels);
         }
-        if (!options.labels.empty()) label_shapes(data, options.labels);
     }
 
     StudyFolder folder;
@@ -234,9 +235,10 @@ int verify(const StudyOptions& options) {
     progress.end_pairs();
     if (StopSignals::caught() != 0) return stopped_by_signal("");
     summary.data = {{"study", folder.path().string()}, {"checked", checked}, {"differing", differing.size()}};
-    summary.lines.push_back(
-        std::to_string(checked) + " pairs computed again: " +
-        (differing.empty() ? "all equal to the store, bit by bit" : std::to_string(differing.size()) + " problems"));
+    summary.lines.push_back(std::to_string(checked) + (checked == 1 ? " pair" : " pairs") + " computed again: " +
+                            (differing.empty()       ? "all equal to the store, bit by bit"
+                             : differing.size() == 1 ? "1 problem"
+                                                     : std::to_string(differing.size()) + " problems"));
     summary.add_failures(differing);
     return summary.print(options.common);
 }

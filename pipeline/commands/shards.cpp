@@ -271,8 +271,8 @@ int plan(const ShardOptions& options) {
                     {"tiles", plan.tiles.size()},
                     {"pairs", missing},
                     {"megabytes_per_shard", shard_megabytes(plan)}};
-    summary.lines.push_back(std::to_string(missing) + " pairs to compute in " + std::to_string(plan.tiles.size()) +
-                            " tiles and " + std::to_string(plan.shards) +
+    summary.lines.push_back(std::to_string(missing) + (missing == 1 ? " geodesic" : " geodesics") + " to compute in " +
+                            std::to_string(plan.tiles.size()) + " tiles and " + std::to_string(plan.shards) +
                             " shards; plan: " + (shards / "plan.sqlite").string());
     if (rounds.screened()) {
         summary.data["level"] = geodesic.level;
@@ -442,7 +442,7 @@ int merge(const ShardOptions& options) {
                     {"pairs_known", known},
                     {"pairs_missing", data.pairs_missing}};
     summary.lines.push_back(std::to_string(files.size()) + (files.size() == 1 ? " file: " : " files: ") +
-                            counted(added, "pair") + " added, " + std::to_string(known) +
+                            counted(added, "geodesic") + " added, " + std::to_string(known) +
                             (known == 1 ? " was" : " were") + " in the store");
     if (data.pairs_missing > 0) {
         summary.add_shortfall(std::to_string(data.pairs_missing) +

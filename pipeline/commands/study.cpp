@@ -75,10 +75,15 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     const auto levels = screening_levels(settings.geodesic, settings.pairs.neighbors);
     graph.geodesic = levels.front();
     PairGraphSummary sum = run_pair_graph<Dim>(collection, *at.store, graph, at.progress);
+    const long coarsest = sum.pairs_total;
     graph.begin = nullptr;
     while (!sum.stopped && sum.shapes > 0 && levels.size() > 1 && graph.solve) {
         const StudyRounds rounds = rounds_of(*at.store, settings);
-        if (rounds.screening.missing.empty()) break;
+        if (rounds.screening.missing.empty()) {  // those that earlier runs refined count, too
+            sum.pairs_total = coarsest + rounds.geodesics_of_finer_levels();
+            sum.pairs_stored = sum.pairs_total - sum.pairs_solved;
+            break;
+        }
         graph.geodesic = levels[rounds.screening.level];
         graph.only = rounds.missing(settings.pairs.both_directions);
         at.progress.message("level " + std::to_string(graph.geodesic.level) + ": " +
@@ -207,8 +212,15 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
         if (StopSignals::caught() != 0) return stopped(options, {});
         if (collection.entries.empty()) {
             for (const std::string& problem : collection.left_out) std::cerr << "morphodesic: " << problem << "\n";
+            const std::string& wanted = options.settings.dimension;
             std::cerr << "morphodesic: " << options.collection.string()
-                      << ": no shapes found; expected are images (PNG, JPEG, BMP, TIFF, PGM, WebP, GIF) or meshes\n";
+                      << (wanted == "2" ? ": no images found; expected are PNG, JPEG, BMP, TIFF, PGM, WebP or GIF; for "
+                                          "solids leave --dimension 2 out"
+                          : wanted == "3" ? ": no solids found; expected are meshes, point clouds or volumes; for "
+                                            "images leave --dimension 3 out"
+                                          : ": no shapes found; expected are images (PNG, JPEG, BMP, TIFF, PGM, WebP, "
+                                            "GIF) or solids (meshes, point clouds, volumes)")
+                      << "\n";
             return bad_usage;
         }
     } else {
@@ -226,16 +238,18 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
     const PairGraphSummary done = compute(at, collection, options, memory, from_files);
-    if (done.stopped) return stopped(options, done);
     const double seconds = now() - begin;
-    if (done.shapes == 0) return refused(options, collection, done, seconds);
+    if (done.shapes == 0 && !done.stopped) return refused(options, collection, done, seconds);
+    const double seconds_of_all = add_seconds(*at.store, seconds);
+    if (done.stopped) return stopped(options, done);
     if (!options.command.empty() && with_report) at.store->set_fact("command", options.command);
     Summary summary;
     summary.data = {{"study", at.folder.path().string()},
                     {"shapes", done.shapes},
                     {"shapes_failed", done.shapes_failed},
                     {"seconds", seconds},
-                    {"seconds_of_all_runs", add_seconds(*at.store, seconds)}};
+                    {"seconds_of_all_runs", seconds_of_all}};
+    for (const std::string& remark : collection.remarks) summary.data["remarks"].push_back(remark);
     if (solve) {
         summary.data["geodesics"] = done.pairs_total;
         summary.data["pairs_from_store"] = done.pairs_stored;
@@ -270,6 +284,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     summary.lines.push_back(head + " in " + duration_text(seconds));
     if (!with_report && !solve) summary.add_notes(data.shapes);  // a report has them
+    for (const std::string& remark : data.remarks) summary.add_remark(remark);
     if (!data.coarse_note.empty()) summary.lines.push_back(data.coarse_note);
     if (solve) summary.add_missing_pairs(data, at.folder.path());
     if (with_report) {

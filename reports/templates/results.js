@@ -275,7 +275,7 @@ function compareSection() {
                                '')),
         c.distances.length ? box : null,
         c.moved.length ? table(
-                             'Shapes whose nearest neighbour moved',
+                             'Shapes whose nearest neighbours differ',
                              ['shape', 'nearest here', 'nearest there', '#common neighbours'],
                              c.moved.map(m => [shown(m.shape), shown(m.here), shown(m.there), percent(m.overlap)])) :
                          null,

@@ -89,6 +89,18 @@ TEST(Normalize, AShapeThatFallsThroughTheGridIsRefused) {
     EXPECT_THROW(normalize(raw, options), ReadError);  // two dots on both sides of the node in the middle
     options.level = 0;
     EXPECT_THROW(normalize(raw, options), std::invalid_argument);
+    // A node lies in the middle of this one, but no cell.
+    options.level = 6;
+    options.scale = 0.5 / 64 / 5;  // its radius is half a cell
+    const RawShape<2> dot = raw_disk(0, 0, 5);
+    try {
+        (void)normalize(dot, options);
+        FAIL() << "the grid does not hold it";
+    } catch (const ReadError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("the whole shape is smaller than a cell of the grid"));
+    }
+    options.scale *= 1.2;
+    EXPECT_THAT(normalize(dot, options).notes, Contains(HasSubstr("Thinner than two cells")));
 }
 
 TEST(Normalize, DigestTellsContentNotNames) {

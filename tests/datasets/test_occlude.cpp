@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "datasets/import.h"
 #include "datasets/occlude.h"
 #include "datasets/synthetic.h"
@@ -9,6 +11,7 @@
 namespace morphodesic::datasets {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -154,6 +157,29 @@ TEST(Occlude, QueriesNeverLieAmongTheShapesTheyAreMadeFrom) {
     EXPECT_FALSE(std::filesystem::exists(folder / "in/truth.csv"));
     EXPECT_EQ(write_occluded(scan.sources, folder / "in.occluded", {}).queries, 2);
     EXPECT_EQ(write_occluded(scan.sources, folder / "in.occluded", {}).queries, 2);  // again: its own files
+}
+
+TEST(Occlude, NoQueryOfAShapeIsThereTwice) {
+    const tests::TemporaryFolder folder;
+    CollectionOptions collection;
+    collection.count = 1;
+    write_collection(folder / "in", matchstick(collection), 64);
+    OcclusionOptions options;
+    options.kind = "limb";
+    options.fraction = 0.1;
+    options.per_shape = 12;  // it has no more than six limbs
+    const OcclusionSummary summary = write_occluded(scan_folder(folder / "in").sources, folder / "out", options);
+    EXPECT_GE(summary.queries, 3);
+    EXPECT_LE(summary.queries, 6);
+    EXPECT_EQ(summary.queries + summary.repeated, 12);
+    std::set<std::string> masks;
+    for (const ShapeSource& query : scan_folder(folder / "out").sources) {
+        masks.insert(tests::file_content(query.mask_path));
+    }
+    EXPECT_EQ(masks.size(), static_cast<std::size_t>(summary.queries));
+    options.kind = "half-plane";
+    options.direction = {1.0, 0.0};
+    EXPECT_THAT(options.problems(), ElementsAre(HasSubstr("all queries of a shape are the same")));
 }
 
 TEST(Occlude, APlaneCutsOffAShareOfASolid) {

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "geodesic/discrete_geodesic.h"
+#include "geodesic/grid/injectivity.h"
 #include "geodesic/solver/volume_constraint.h"
 #include "tests/support/path_problems.h"
 #include "tests/support/thread_counts.h"
@@ -27,6 +30,9 @@ double ball_length(double r0, double r1) {
     return std::sqrt(std::numbers::pi * 22.0) * 2.0 / 3.0 * std::abs(std::pow(r1, 1.5) - std::pow(r0, 1.5));
 }
 
+/// Bars of the disks and balls below are 1.4 to 2.2 times the true errors.
+constexpr double most_of_bar = 2.5;
+
 TEST(DiscreteGeodesic, DisksConvergeToTheClosedFormWithFirstOrder) {
     const double exact = disk_length(0.2, 0.25);
     std::vector<double> errors;
@@ -36,6 +42,7 @@ TEST(DiscreteGeodesic, DisksConvergeToTheClosedFormWithFirstOrder) {
         ASSERT_EQ(r.termination, Termination::converged);
         errors.push_back(std::abs(r.path_length - exact));
         EXPECT_LE(std::abs(r.path_length - exact), r.error) << "the true error lies within the bar, level " << level;
+        EXPECT_LE(r.error, most_of_bar * std::abs(r.path_length - exact)) << "a bar that says little, level " << level;
         EXPECT_GT(r.min_det, 0.5);
         if (level == 7) {
             EXPECT_LT(errors.back(), 0.03 * exact);
@@ -53,6 +60,8 @@ TEST(DiscreteGeodesic, BallsConvergeToTheClosedForm) {
                                                     options_for(level, 2));
         ASSERT_EQ(r.termination, Termination::converged);
         errors.push_back(std::abs(r.path_length - exact));
+        EXPECT_LE(errors.back(), r.error) << level;
+        EXPECT_LE(r.error, most_of_bar * errors.back()) << level;
     }
     EXPECT_LT(errors[1], 0.25 * exact);
     EXPECT_LT(errors[1], 0.75 * errors[0]);
@@ -162,6 +171,13 @@ TYPED_TEST(DiscreteGeodesicIn, ResultIsConsistentAndOneToOne) {
     EXPECT_DOUBLE_EQ(r.path_length, length);
     EXPECT_DOUBLE_EQ(r.path_energy, energy);
     EXPECT_LE(r.path_length * r.path_length, r.path_energy * (1 + 1e-12));
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& phi : r.deformations) {
+        DisplacementView<dim> view;
+        for (std::size_t a = 0; a < dim; ++a) view[a] = phi.displacement.components[a].data();
+        least = std::min(least, det_lower_bound<dim>(r.shapes.front().grid, view));
+    }
+    EXPECT_DOUBLE_EQ(r.min_det, least) << "the certificate is that of the deformations in the result";
     EXPECT_GT(r.min_det, 0.0);
     EXPECT_GT(r.error, 0.0);
     EXPECT_EQ(r.shapes.back().values, moved(b, r.frame, level).values);

@@ -57,6 +57,19 @@ TEST_F(ClassifyQueries, HaveTheClassOfTheirPathOrElseOfTheirName) {
     EXPECT_EQ(all.queries[2].source.label, "two");
 }
 
+TEST_F(ClassifyQueries, HaveTheClassOfTheTableBesideThem) {
+    folder_.write("n2/truth.csv", "file,label\n1.png,one\n");
+    const QueryList named = list({"n2/1.png", "n2/2.png", "n1/1.png"});
+    ASSERT_EQ(named.queries.size(), 3U);
+    EXPECT_EQ(named.queries[0].source.label, "one");
+    EXPECT_EQ(named.queries[1].source.label, "");
+    EXPECT_EQ(named.queries[2].source.label, "");
+    EXPECT_THAT(named.remarks, testing::IsEmpty());
+    const QueryList folder = list({"n2"});
+    EXPECT_EQ(folder.queries[0].source.label, "one");
+    EXPECT_THAT(folder.remarks, ElementsAre(HasSubstr("1 query is not in the table")));
+}
+
 TEST_F(ClassifyQueries, OfEqualNamesStayApartInTheResults) {
     for (const char* kind : {"bars", "disks"}) {
         ASSERT_EQ(run_program({"datasets", kind, "--out", path(std::string("t/") + kind), "--count", "2", "--size",

@@ -14,7 +14,7 @@ class CommonScaleOfAStudy : public testing::Test {
 protected:
     /// What a run with these files does.
     CommonScale settle(const Files& files) {
-        const CommonScale chosen = choose_common_scale(files, options_, store_);
+        const CommonScale chosen = choose_common_scale(files, options_, 2, store_);
         keep_common_scale(chosen, store_);
         return chosen;
     }
@@ -48,12 +48,48 @@ TEST_F(CommonScaleOfAStudy, IsChosenAnewWhereAShapeDoesNotFitAndComesBackWithout
     EXPECT_EQ(settle({small_, middle_, large_}).remark, "");
 }
 
+/// When the file that fixed it is gone the scale stays while the others are not much smaller: a half.
+TEST_F(CommonScaleOfAStudy, StaysUnlessTheRestIsMuchSmaller) {
+    const SizedFile kept{"kept.png", "k", 10};
+    const double scale = settle({kept, {"a.png", "a", 14.5}}).scale;
+    EXPECT_EQ(settle({kept}).scale, scale);
+    const double smaller = settle({kept, {"b.png", "b", 15.5}}).scale;
+    EXPECT_LT(smaller, scale);
+    EXPECT_GT(settle({kept}).scale, 1.5 * smaller);
+}
+
+TEST_F(CommonScaleOfAStudy, IsOneForEachDimension) {
+    store_.set_fact("dimension", "2");
+    const double scale = settle({small_, large_}).scale;
+    const CommonScale solids = choose_common_scale({{"a.stl", "s", 2000}}, options_, 3, store_);
+    EXPECT_LT(solids.scale, scale / 100);
+    EXPECT_EQ(solids.remark, "");
+    keep_common_scale(solids, store_);
+    store_.set_fact("dimension", "3");
+    EXPECT_EQ(settle({small_, large_}).scale, scale);
+    EXPECT_EQ(settle({small_, large_}).remark, "");
+}
+
+/// Older programs kept one scale for images and solids.
+TEST_F(CommonScaleOfAStudy, OfAnOlderStudyStays) {
+    const CommonScale first = settle({small_, large_});
+    const std::string former = first.fact.substr(0, first.fact.rfind(" in "));
+    tests::TemporaryFolder other;
+    ResultStore older(other / "study.sqlite", ResultStore::Access::write);
+    older.set_fact(former, exact_text(first.scale / 2));
+    older.set_fact("origin of " + former, "7 \nlarge.png");
+    older.set_fact("dimension", "2");
+    EXPECT_EQ(choose_common_scale({small_, {"large.png", "7", 27}}, options_, 2, older).scale, first.scale / 2);
+    older.set_fact("dimension", "3");
+    EXPECT_EQ(choose_common_scale({small_, large_}, options_, 2, older).scale, first.scale);
+}
+
 TEST_F(CommonScaleOfAStudy, OfOtherShapesIsNotTakenOver) {
     const double scale = settle({large_, middle_}).scale;
     const Files others{{"a.png", "a", 13}, {"b.png", "b", 11}};
     const CommonScale own = settle(others);
     EXPECT_GT(own.scale, scale);
-    EXPECT_THAT(own.remark, testing::AllOf(HasSubstr("none of the shapes was there"), HasSubstr("1 pairs")));
+    EXPECT_THAT(own.remark, testing::AllOf(HasSubstr("none of the shapes was there"), HasSubstr("up to 1 pair to")));
     EXPECT_EQ(settle(others).remark, "");
 }
 

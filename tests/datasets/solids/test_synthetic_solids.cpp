@@ -97,7 +97,7 @@ TEST(SyntheticSolids, DamageIsAsAsked) {
 /// collection; half the noise is noise as well.
 TEST(SyntheticSolids, BadScanStaysNearItsTwin) {
     FeetOptions options;
-    options.count = 5;
+    options.count = 3;
     const auto clean_feet = feet(options);
     std::vector<RawShape<3>> raw;
     const auto add = [&](TriangleMesh mesh) {
@@ -118,8 +118,8 @@ TEST(SyntheticSolids, BadScanStaysNearItsTwin) {
         EXPECT_THAT(raw.back().notes, testing::IsEmpty());
         radii.push_back(raw.back().extent_radius);
     }
-    const std::array<double, 3> noise{0.005, 0.005, 0.0025};
-    for (int i = 0; i < 3; ++i) {
+    const std::array<double, 2> noise{0.005, 0.0025};
+    for (int i = 0; i < 2; ++i) {
         add(damaged(clean_feet[i].mesh, {.noise = noise[i], .seed = options.seed + i}));
         EXPECT_THAT(raw.back().notes, testing::Contains(testing::HasSubstr("was smoothed")));
     }
@@ -137,14 +137,14 @@ TEST(SyntheticSolids, BadScanStaysNearItsTwin) {
         return compute_discrete_geodesic<3>(shapes[a], shapes[b], solver).path_length;
     };
     std::vector<double> between;
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < i; ++j) between.push_back(distance(i, j));
     }
     std::sort(between.begin(), between.end());
-    const double median = 0.5 * (between[4] + between[5]);
-    for (int i = 0; i < 3; ++i) {
-        EXPECT_LT(distance(i, 5 + i), 0.05 * median) << i;
-        EXPECT_NEAR(raw[5 + i].volume, raw[i].volume, 0.004 * raw[i].volume);
+    const double median = between[1];
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_LT(distance(i, 3 + i), 0.05 * median) << i;
+        EXPECT_NEAR(raw[3 + i].volume, raw[i].volume, 0.004 * raw[i].volume);
     }
 }
 

@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "geodesic/solver/partial_alignment.h"
+#include "geodesic/solver/partial_mismatch.h"
+#include "tests/support/path_problems.h"
 
 namespace morphodesic {
 namespace {
@@ -100,6 +104,59 @@ TEST(PartialAlignment, AnUnmovedFieldKeepsItsValues) {
 TEST(PartialAlignment, NothingVisibleIsRefused) {
     const LevelSet<2> whole = sampled(5, [](const Point<2>& x) { return ell(x[0], x[1]); });
     EXPECT_THROW(PartialAligner<2>(whole, ScalarField<2>(whole.grid, 0.0)), std::invalid_argument);
+}
+
+template <class Dimension>
+class PartialMismatchIn : public testing::Test {};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(PartialMismatchIn, Dimensions);
+
+/// Central differences in every unknown: angles, translation, logarithm of the size.
+TYPED_TEST(PartialMismatchIn, GradientIsThatOfTheMismatch) {
+    constexpr int dim = TypeParam::value;
+    using Problem = partial::MismatchProblem<dim>;
+    using Row = typename Problem::Row;
+    Point<dim> half, centre;
+    for (std::size_t a = 0; a < dim; ++a)
+        half[a] = 0.12 + 0.05 * static_cast<double>(a), centre[a] = 0.5 + 0.02 * static_cast<double>(a);
+    const LevelSet<dim> partial = tests::turned_box<dim>(5, half, centre, 0.3);
+    const partial::Sampler<dim> part(partial), whole(tests::turned_box<dim>(5, half, centre, -0.2));
+    ScalarField<dim> mask(partial.grid, 1.0);
+    for (std::size_t i = 0; i < mask.values.size(); ++i) {
+        mask.values[i] = std::clamp(2.0 - 2.5 * partial.grid.position(partial.grid.node(i))[0], 0.0, 1.0);
+    }
+    const partial::Samples<dim> samples(part, mask, 16);
+    PartialAlignmentOptions options;
+    options.missing_weight = 0.4;
+    const Problem problem(samples, whole, options);
+    partial::Motion<dim> at;
+    Row turn = Row::Zero();
+    for (int i = 0; i < Problem::angles; ++i) turn(i) = 0.1 * (i + 1);
+    at.rotation = small_rotation<dim>(turn);
+    for (int i = 0; i < dim; ++i) at.translation(i) = 0.013 * (i + 1);
+    at.scale = 1.07;
+    const auto moved = [&](int unknown, double t) {
+        partial::Motion<dim> m = at;
+        Row step = Row::Zero();
+        step(unknown) = t;
+        m.rotation = small_rotation<dim>(step) * at.rotation;
+        m.translation += step.template segment<dim>(Problem::angles);
+        m.scale *= std::exp(step(Problem::unknowns - 1));
+        return m;
+    };
+    // Without the factor of the size in front of the sum, which Gauss and Newton take as fixed.
+    const auto sum = [&](const partial::Motion<dim>& m) {
+        return problem.evaluate(m, nullptr, nullptr) / std::pow(m.scale * samples.spacing, dim);
+    };
+    Row gradient;
+    typename Problem::System normal;
+    (void)problem.evaluate(at, &gradient, &normal);
+    for (int i = 0; i < Problem::unknowns; ++i) {
+        constexpr double t = 1e-5;
+        const double difference = (sum(moved(i, t)) - sum(moved(i, -t))) / (2 * t);
+        EXPECT_NEAR(2 * gradient(i), difference, 2e-3 * gradient.norm()) << "unknown " << i;
+        EXPECT_GT(std::abs(difference), 0.005 * gradient.norm()) << "unknown " << i << " is not tried out";
+    }
 }
 
 }  // namespace

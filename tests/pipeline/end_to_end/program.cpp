@@ -6,11 +6,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <stdexcept>
+
+#include "pipeline/cli.h"
 
 namespace morphodesic::tests {
 
@@ -35,6 +40,41 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
     return process;
 }
 
+/// The program in a copy of this process: starting it anew means to load its 170 libraries, which takes longer than
+/// what most tests do with it.
+pid_t start_copy(const std::vector<std::string>& arguments, const fs::path& folder) {
+    std::cout.flush();
+    std::fflush(nullptr);  // or the copy would print what this process has not printed yet
+    const std::string out = (folder / "out").string(), err = (folder / "err").string();
+    const pid_t process = fork();
+    if (process == 0) {
+        const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        ::dup2(o, STDOUT_FILENO);
+        ::dup2(e, STDERR_FILENO);
+        ::close(o);
+        ::close(e);
+        const int code = pipeline::run_program(arguments);
+        std::cout.flush();
+        std::fflush(nullptr);
+        ::_exit(code);
+    }
+    return process;
+}
+
+std::ptrdiff_t thread_count() {
+    const fs::directory_iterator threads("/proc/self/task");
+    return std::distance(begin(threads), end(threads));
+}
+
+/// Those that libraries start when they are loaded, for their logs; the program does without.
+const std::ptrdiff_t threads_of_libraries = thread_count();
+
+/// Threads are not copied with a process, and what waits for one would wait forever.
+bool can_be_copied() {
+    return !sanitized && thread_count() == threads_of_libraries;
+}
+
 Outcome outcome(pid_t process, const fs::path& folder) {
     int status = 0;
     ::waitpid(process, &status, 0);
@@ -45,6 +85,12 @@ Outcome outcome(pid_t process, const fs::path& folder) {
 }  // namespace
 
 Outcome morphodesic(const std::vector<std::string>& arguments) {
+    const TemporaryFolder folder;
+    if (can_be_copied()) return outcome(start_copy(arguments, folder.path()), folder.path());
+    return outcome(start(MORPHODESIC_PROGRAM, arguments, folder.path()), folder.path());
+}
+
+Outcome morphodesic_file(const std::vector<std::string>& arguments) {
     const TemporaryFolder folder;
     return outcome(start(MORPHODESIC_PROGRAM, arguments, folder.path()), folder.path());
 }
@@ -86,6 +132,9 @@ void make_disks(const fs::path& folder, int n, int pixels) {
 }
 
 std::vector<std::string> quick(std::vector<std::string> arguments) {
+    const bool chosen = std::any_of(arguments.begin(), arguments.end(),
+                                    [](const std::string& word) { return word.rfind("--paths", 0) == 0; });
+    if (arguments.front() == "run" && !chosen) arguments.insert(arguments.end(), {"--paths", "none"});
     for (const char* option : {"--level", "4", "--steps", "2", "--starts", "1"}) arguments.emplace_back(option);
     return arguments;
 }

@@ -25,6 +25,8 @@ struct Outcome {
 
 /// Runs the program and waits.
 Outcome morphodesic(const std::vector<std::string>& arguments);
+/// The same, always from its file: for what asks where that is.
+Outcome morphodesic_file(const std::vector<std::string>& arguments);
 /// Runs a shell command with the program's path in $MORPHODESIC and waits.
 Outcome shell(const std::string& command);
 
@@ -51,7 +53,7 @@ void write_file(const std::filesystem::path& file, const std::string& bytes);
 /// A collection of n disks on pictures of so many pixels a side; small and quick at --level 4.
 void make_disks(const std::filesystem::path& folder, int n, int pixels = 64);
 
-/// Options that make a pair a matter of milliseconds.
+/// Options that make a pair a matter of milliseconds; of `run` also one that draws no paths, unless some are chosen.
 std::vector<std::string> quick(std::vector<std::string> arguments);
 
 /// Geodesics in a store right now, 0 if there is none yet; may be asked while the program runs.

@@ -135,7 +135,10 @@ TEST_F(StoppedStudy, TerminateIsTheSameAsInterrupt) {
     BackgroundRun run(command("stopped"));
     ASSERT_TRUE(wait_for_rows(folder_ / "stopped", 1));
     run.signal(SIGTERM);
-    EXPECT_EQ(run.wait().code, 128 + SIGTERM);
+    const Outcome stopped = run.wait();
+    EXPECT_EQ(stopped.code, 128 + SIGTERM);
+    EXPECT_THAT(stopped.err, HasSubstr("give the same command again"));
+    expect_resumed(1);
 }
 
 TEST_F(StoppedStudy, ASecondProcessIsTurnedAwayAndTheFirstOneEndsWell) {
@@ -392,7 +395,7 @@ TEST_F(DisturbedStore, AnUnfinishedReadingIsNotTakenForTheWholeCollection) {
     EXPECT_EQ(report.code, 1);
     // With the options of the study, not those of a preset.
     EXPECT_THAT(report.out, HasSubstr("finish it with: morphodesic run " + (folder_ / "disks").string() +
-                                      " --json --level 4 --steps 2 --starts 1"));
+                                      " --json --paths none --level 4 --steps 2 --starts 1"));
     EXPECT_THAT(read_file(folder_ / "disks.study/report.json"), HasSubstr("reading its 48 files was stopped"));
     EXPECT_EQ(morphodesic(command_).code, 0);
     EXPECT_EQ(morphodesic({"report", study}).code, 0);

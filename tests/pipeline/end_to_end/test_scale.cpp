@@ -127,6 +127,8 @@ TEST_F(Neighbours, AreFoundAndTheOtherPairsAreMarkedAsEstimates) {
     EXPECT_EQ(summary["pairs_computed"], pairs + refined);
     const json again = json::parse(morphodesic(command("screened", 2)).out);
     EXPECT_EQ(again["pairs_computed"], 0);
+    EXPECT_EQ(again["geodesics"], summary["geodesics"]);
+    EXPECT_EQ(again["pairs_from_store"], pairs + refined);
 
     // Every neighbour of the full study is found, with the same number; estimates are further away.
     const auto all = rows_of(folder / "full/distances.csv"), some = rows_of(folder / "screened/distances.csv"),
@@ -217,8 +219,8 @@ TEST_F(Neighbours, RoundAfterRoundRunsUnderMakeflowInOneFolder) {
     const std::string study = (folder / "rounds").string();
     int rounds = 0;
     for (json merged = json::object(); rounds < 4 && merged.value("pairs_missing", 1) > 0; ++rounds) {
-        const json planned =
-            json::parse(morphodesic({"plan", study, "--shards", "2", "--format", "makeflow", "--json", "--quiet"}).out);
+        const json planned = json::parse(
+            morphodesic_file({"plan", study, "--shards", "2", "--format", "makeflow", "--json", "--quiet"}).out);
         const std::string script = planned["script"];
         const Outcome done = shell(std::string("timeout 150 '") + MORPHODESIC_SOURCE_DIR +
                                    "/tests/pipeline/end_to_end/with_work_queue' '" +
@@ -266,8 +268,8 @@ protected:
     [[nodiscard]] std::string men() const { return (folder / "men").string(); }
     [[nodiscard]] std::string study() const { return (folder / "a study").string(); }
     [[nodiscard]] json plan(int shards, const std::string& format) const {
-        const Outcome done =
-            morphodesic({"plan", study(), "--shards", std::to_string(shards), "--format", format, "--json", "--quiet"});
+        const Outcome done = morphodesic_file(
+            {"plan", study(), "--shards", std::to_string(shards), "--format", format, "--json", "--quiet"});
         EXPECT_EQ(done.code, 0) << done.err;
         return json::parse(done.out);
     }

@@ -147,7 +147,7 @@ TEST_F(ShardFiles, PutTogetherInOneAreNoDamage) {
     write_file(all, read_file(first) + read_file(second));
     const Outcome merged = morphodesic({"merge", study(), all.string()});
     EXPECT_EQ(merged.code, 0) << merged.out;
-    EXPECT_THAT(merged.out, HasSubstr("1 file: 6 pairs were added, 0 were in the store"));
+    EXPECT_THAT(merged.out, HasSubstr("1 file: 6 geodesics were added, 0 were in the store"));
     EXPECT_THAT(merged.out, Not(HasSubstr("left out")));
     // A header that is damaged is.
     std::string bytes = read_file(second);
@@ -176,7 +176,7 @@ TEST_F(ShardFiles, OfTwoStudiesInOneFileEachTakesItsOwnInAnyOrder) {
     for (const auto& [bytes, said] : std::vector<std::pair<std::string, std::string>>{
              {mine + theirs, sentence},
              {theirs + mine, sentence},
-             {head + mine, "6 pairs were"},
+             {head + mine, "6 geodesics were"},
              {damaged + mine, "1 damaged line was left out"},
              {damaged + mine, "5 results of other settings were left out"},
              {newer + mine, "6 results of another version of the program were left out"},
@@ -209,7 +209,7 @@ TEST_F(ShardFiles, OfTwoStudiesInOneFileEachTakesItsOwnInAnyOrder) {
 TEST_F(ShardFiles, MakeflowsLogGoesWithThePlanThatItIsOf) {
     const auto plan = [&](const std::string& shards) {
         const Outcome done =
-            morphodesic({"plan", study(), "--shards", shards, "--format", "makeflow", "--json", "--quiet"});
+            morphodesic_file({"plan", study(), "--shards", shards, "--format", "makeflow", "--json", "--quiet"});
         EXPECT_EQ(done.code, 0) << done.err;
         return json::parse(done.out)["id"].get<std::string>();
     };

@@ -24,7 +24,7 @@ const fs::path reports = fs::path(MORPHODESIC_SOURCE_DIR) / "reports";
 TEST(Study, ARunLeavesEverythingTheContractNames) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 5);
-    const Outcome done = morphodesic(quick({"run", (folder / "disks").string()}));
+    const Outcome done = morphodesic(quick({"run", (folder / "disks").string(), "--paths", "2"}));
     ASSERT_EQ(done.code, 0) << done.err;
     for (const char* name : {"study.sqlite", "distances.csv", "distances.npy", "pairs.csv", "clusters.csv",
                              "linkage.csv", "embedding.csv", "report.html", "report.json", "paths"}) {
@@ -244,6 +244,19 @@ TEST(Study, TheFourStepsGiveTheSameAsRun) {
     EXPECT_EQ(json::parse(verified.out)["checked"], 3);
 }
 
+TEST(Study, PairsThatFailedAreTriedAgainWhenThatIsAskedFor) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 3);
+    auto command = quick({"run", (folder / "disks").string(), "--json", "--quiet", "--max-iterations", "1"});
+    const json first = json::parse(morphodesic(command).out);
+    EXPECT_EQ(first["pairs_failed"], 3);
+    const Outcome again = morphodesic(command);
+    EXPECT_EQ(again.code, 1);
+    EXPECT_EQ(json::parse(again.out)["pairs_computed"], 0);
+    command.emplace_back("--retry-failed");
+    EXPECT_EQ(json::parse(morphodesic(command).out)["pairs_computed"], 3);
+}
+
 TEST(Study, FilesOfEqualContentHaveDistanceZero) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
@@ -318,7 +331,7 @@ TEST(Study, NamesMayHoldAnything) {
         fs::create_directories(folder / "odd");
         fs::copy_file(folder / ("plain/disk-0" + std::to_string(i + 1) + ".png"), folder / "odd" / names[i]);
     }
-    const Outcome done = morphodesic(quick({"run", (folder / "odd").string(), "--quiet"}));
+    const Outcome done = morphodesic(quick({"run", (folder / "odd").string(), "--quiet", "--paths", "all"}));
     ASSERT_EQ(done.code, 0) << done.err;
     const auto distances = analysis::read_distance_csv(folder / "odd.study/distances.csv");
     EXPECT_THAT(distances.labels(), testing::UnorderedElementsAreArray(names));
@@ -369,7 +382,7 @@ TEST(Geodesic, OnePairAsJsonAndPictures) {
 TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 4);
-    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet", "--paths", "1"})).code, 0);
     const json report = json::parse(read_file(folder / "disks.study/report.json"));
     const json path = report["paths"][0];
     std::vector<std::string> words{"geodesic", "--json"};
@@ -381,6 +394,38 @@ TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
     const Outcome again = morphodesic(words);
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(json::parse(again.out)["path_length"], path["path_length"]);
+}
+
+/// From A to B there are two ways; the alignment that overlaps most leads to the longer one.
+TEST(Geodesic, MoreStartsFindTheLowerOfTwoPaths) {
+    const TemporaryFolder folder;
+    const std::string letters = (folder / "letters").string(), name = "-DejaVuSansBold001.png";
+    const Outcome made =
+        morphodesic({"datasets", "letters", "--characters", "AB", "--count", "2", "--font",
+                     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf", "--out", letters, "--quiet"});
+    ASSERT_EQ(made.code, 0) << made.err;
+    const auto energy = [&](const char* starts) {
+        const Outcome done = morphodesic({"geodesic", letters + "/A" + name, letters + "/B" + name, "--preset", "fast",
+                                          "--level", "5", "--starts", starts, "--json"});
+        return json::parse(done.out)["total_energy"].get<double>();
+    };
+    EXPECT_LT(energy("8"), 0.95 * energy("1"));
+}
+
+TEST(Geodesic, AMaskOfTheSecondShapeIsNotLeftOutInSilence) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 2);
+    const std::string disks = (folder / "disks").string();
+    ASSERT_EQ(morphodesic({"datasets", "occlude", disks, "--out", disks + ".occluded", "--quiet"}).code, 0);
+    const std::string hidden = disks + ".occluded/disk-01.png", whole = disks + "/disk-02.png";
+    const json second = json::parse(morphodesic(quick({"geodesic", whole, hidden, "--json"})).out);
+    ASSERT_EQ(second["remarks"].size(), 1u);
+    EXPECT_THAT(second["remarks"][0], HasSubstr("give this one first"));
+    EXPECT_FALSE(json::parse(morphodesic(quick({"geodesic", hidden, whole, "--json"})).out).contains("remarks"));
+    EXPECT_THAT(
+        json::parse(
+            morphodesic(quick({"geodesic", hidden, disks + ".occluded/disk-02.png", "--json"})).out)["remarks"][0],
+        Not(HasSubstr("give this one first")));
 }
 
 TEST(Geodesic, AShapeHasDistanceZeroToItself) {

@@ -151,7 +151,7 @@ TEST_F(Surroundings, FoldersOfThisProgramAreKnownAgain) {
 }
 
 TEST_F(Surroundings, OfTheFoldersOfPathsOnlyWhatTheProgramWroteGoes) {
-    ASSERT_EQ(run().code, 0);
+    ASSERT_EQ(run({"--paths", "all"}).code, 0);
     const fs::path paths = folder / "disks.study/paths";
     std::vector<fs::path> drawn(fs::directory_iterator(paths), fs::directory_iterator{});
     ASSERT_EQ(drawn.size(), 3U);
@@ -171,7 +171,7 @@ TEST_F(Surroundings, OfTheFoldersOfPathsOnlyWhatTheProgramWroteGoes) {
                                  folder / "disks.study/paths.old/mine.txt"}) {
         EXPECT_TRUE(fs::exists(file)) << file;
     }
-    ASSERT_EQ(run().code, 0);
+    ASSERT_EQ(run({"--paths", "all"}).code, 0);
     EXPECT_TRUE(fs::exists(noted / "colours.json"));
 }
 

@@ -39,6 +39,13 @@ TEST(Usage, WrongWordsAreNamed) {
     EXPECT_THAT(command.err, HasSubstr("no command \"fly\"; there are: run, "));
     EXPECT_EQ(kind.code, 2);
     EXPECT_THAT(kind.err, HasSubstr("no command \"datasets birds\"; there are: occlude, "));
+    const Outcome option = morphodesic({"geodesics", (folder / "study").string(), "--normalize", "each"});
+    EXPECT_EQ(option.code, 2);
+    EXPECT_THAT(option.err, HasSubstr("morphodesic: geodesics has no option --normalize, it is one of: run, ingest"));
+    const Outcome value = morphodesic({"run", folder.path().string(), "--preset", "fast", "--level", "5.5"});
+    EXPECT_EQ(value.code, 2);
+    EXPECT_THAT(value.err, HasSubstr("morphodesic: --level cannot be 5.5: it must be a whole number"));
+    EXPECT_THAT(morphodesic({"run", folder.path().string(), "--steps=many"}).err, HasSubstr("--steps cannot be many"));
     make_disks(folder / "disks", 2);
     fs::copy_file(folder / "disks/disk-01.png", folder / "disks/-a.png");
     const Outcome file =
