@@ -152,7 +152,7 @@ TEST(FolderScan, UnreadableFoldersAreProblemsAndTheRestGoesOn) {
     const tests::TemporaryFolder folder;
     folder.write("a/x.png", "x");
     folder.write("b/y.png", "x");
-    fs::permissions(folder.path(), fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
+    fs::permissions(folder.path(), fs::perms::group_read | fs::perms::group_exec, fs::perm_options::add);
     fs::permissions(folder / "a", fs::perms::none);
     const bool is_root = geteuid() == 0;  // who may read every folder
     constexpr uid_t nobody = 65534;

