@@ -193,6 +193,7 @@ Calibration calibrate(const DistanceMatrix& templates, std::span<const std::stri
         const double scale = scale_of(result, foreign.front().name);
         strangers.push_back({std::move(foreign), scale});
     }
+    result.members = members.size();
     calibrate_novelty(members, strangers, result);
     result.confidence = fit_confidence(margins, right, options.calibration);
     if (margins.size() < 2) {  // nothing to judge the confidences by

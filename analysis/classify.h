@@ -53,6 +53,7 @@ struct Classification {
 struct Calibration {
     ClassifyOptions options;
     std::size_t queries = 0, right = 0;  ///< templates of classes with two or more members
+    std::size_t members = 0;             ///< of these with a distance: what the limit of the novelty is learned from
     double accuracy = missing;
     ConfidenceCurve confidence;
     /// Usual distance of a member to the nearest other member: mean over the members, drawn towards the median of all

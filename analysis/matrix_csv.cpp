@@ -52,10 +52,14 @@ double parse_distance(std::string_view cell, const std::string& source, std::siz
     return value + 0.0;
 }
 
+/// Whether a cell would be read as a distance, or as a missing one that says so.
 bool is_number(const std::string& cell) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    return error == std::errc() && end == cell.data() + cell.size();
+    try {
+        static_cast<void>(parse_distance(cell, "", 0, 0));
+        return cell.find_first_not_of(" \t") != std::string::npos;
+    } catch (const ParseError&) {
+        return false;
+    }
 }
 
 }  // namespace

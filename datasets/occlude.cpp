@@ -222,7 +222,7 @@ private:
 };
 
 /// The same for the same name, whatever else is in the collection (FNV-1a).
-std::uint64_t mixed(std::uint64_t seed, const std::string& name) {
+std::uint64_t mixed(std::uint64_t seed, std::string_view name) {
     std::uint64_t h = 0xcbf29ce484222325ULL ^ (seed * 0x9e3779b97f4a7c15ULL);
     for (const char c : name) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
     return h;
@@ -465,19 +465,27 @@ OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const s
                 continue;
             }
             const Coverage object = square_picture(read_shape_2d(sources[i], import_options));
-            std::set<std::vector<float>> there;
+            std::set<std::uint64_t> there;  // digests of masks
+            bool exhausted = false;
             for (const std::string& name : names[i]) {
                 constexpr int tries = 30;  // of six limbs the last one is missed once in 200 times
-                for (int again = 0; again < tries; ++again) {
+                bool written = false;
+                for (int again = 0; again < tries && !written && !exhausted; ++again) {
                     const std::string seeding = again == 0 ? name : name + " " + std::to_string(again);
                     const OccludedPicture picture = occlude(object, options, mixed(options.seed, seeding));
-                    if (!there.insert(picture.hidden.values).second) continue;
+                    const std::vector<float>& mask = picture.hidden.values;
+                    const std::string_view bytes(reinterpret_cast<const char*>(mask.data()),
+                                                 mask.size() * sizeof(float));
+                    if (!there.insert(mixed(0, bytes)).second) continue;
                     write_picture(folder, name, picture);
                     add(name + ".png", picture.hidden_share);
-                    break;
+                    written = true;
                 }
+                exhausted = !written;
+                if (written) continue;
+                ++summary.repeated;
+                for (const char* ending : {".png", ".mask.png"}) std::filesystem::remove(folder / (name + ending));
             }
-            summary.repeated += options.per_shape - static_cast<int>(there.size());
         } catch (const ReadError& error) {
             summary.problems.push_back({error.file(), error.problem(), error.remedy()});
         }

@@ -42,7 +42,7 @@ OccludedPicture occlude(const Coverage& object, const OcclusionOptions& options,
 
 struct OcclusionSummary {
     int queries = 0;
-    int repeated = 0;  ///< queries that are not there, as they would be others over again: a shape has few limbs
+    int repeated = 0;  ///< queries that are not there, as they would be others over again
     std::vector<ScanProblem> problems;  ///< shapes that could not be read
 };
 

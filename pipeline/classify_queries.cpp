@@ -59,6 +59,19 @@ void tell_apart(QueryList& list) {
     for (Query& query : list.queries) query.name = path_as_given(query.source);
 }
 
+/// A table that nobody named: without it, or if it is none, the query has no known class.
+std::map<std::string, std::string> table_beside(const fs::path& table, std::vector<std::string>& remarks) {
+    std::error_code error;
+    if (!fs::exists(table, error)) return {};
+    try {
+        return datasets::read_labels(table);
+    } catch (const datasets::ReadError& problem) {
+        remarks.push_back("No true classes are taken from the table beside the queries: " +
+                          std::string(problem.what()));
+        return {};
+    }
+}
+
 }  // namespace
 
 QueryList list_queries(const ClassifyCommandOptions& options) {
@@ -80,9 +93,8 @@ QueryList list_queries(const ClassifyCommandOptions& options) {
             try {
                 datasets::ShapeSource source = datasets::single_source(named);
                 const fs::path table = named.parent_path() / "truth.csv";
-                std::error_code error;
-                if (!truth && fs::exists(table, error)) {
-                    if (!beside.contains(table)) beside.emplace(table, datasets::read_labels(table));
+                if (!truth && !beside.contains(table)) beside.emplace(table, table_beside(table, list.remarks));
+                if (!truth) {
                     const auto& labels = beside.at(table);
                     const auto found = labels.find(named.filename().string());
                     if (found != labels.end()) source.label = found->second;

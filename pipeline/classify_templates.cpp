@@ -235,12 +235,22 @@ ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const Templat
     }
     const datasets::RawShape<Dim> raw = datasets::read_shape<Dim>(file, reading);
     datasets::NormalizeOptions placement = templates.placement;
-    ComparedShape<Dim> query = compared(datasets::normalize(raw, placement));
+    ComparedShape<Dim> query;
+    for (bool read = false; !read;) {
+        try {
+            query = compared(datasets::normalize(raw, placement));
+            read = true;
+        } catch (const datasets::ReadError&) {  // less than a cell of the grid, or none of its nodes
+            if (Dim == 2 || placement.level >= alignment_level) throw;
+            ++placement.level;
+        }
+    }
     if (ignore_mask) query.mask = {};
     const bool nothing_hidden =
         std::all_of(query.mask.values.begin(), query.mask.values.end(), [](double chi) { return chi > 0.99; });
     if (nothing_hidden) query.mask = {};
-    const int cells = cells_long(query.level_set);
+    const int finer = placement.level - templates.placement.level;
+    const int cells = std::max(1, cells_long(query.level_set) >> finer);
     while (Dim == 3 && placement.level < alignment_level &&
            visible_contour(query.level_set, query.mask) < least_visible) {
         ++placement.level;

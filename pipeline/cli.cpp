@@ -519,11 +519,8 @@ int parse_and_run(std::vector<std::string> arguments) {
         std::string problem;
         if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) problem = unknown_option(tried.app, arguments);
         if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) problem = wrong_value(tried.app, arguments);
-        if (!problem.empty()) {
-            std::cerr << "morphodesic: " << problem << "\n";
-            return bad_usage;
-        }
-        const int code = first.app.exit(error, std::cout, std::cerr);
+        if (!problem.empty()) std::cerr << "morphodesic: " << problem << "\n";
+        const int code = problem.empty() ? first.app.exit(error, std::cout, std::cerr) : bad_usage;
         const std::string hint = code == 0 ? "" : dash_hint(arguments);
         if (!hint.empty()) std::cerr << "morphodesic: " << hint << "\n";
         return code == 0 ? all_done : bad_usage;

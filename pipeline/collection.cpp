@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <map>
@@ -34,8 +35,8 @@ std::string reading_digest(const datasets::ShapeSource& source, const std::strin
     std::string text = file_digest + "\n" + canonical_text(options);
     if (source.dimension == 3) text += "solid reader " + std::to_string(datasets::solid_reader_revision);
     if (!source.mask_path.empty()) text += "mask " + datasets::file_digest(source.mask_path);
-    // Shapes with nothing of the occluder's colour once had masks, too.
-    if (source.dimension == 2 && !options.occluder.empty()) text += "occluder 2";
+    // Images of which nothing is hidden once had masks, too.
+    if (source.dimension == 2 && !(options.occluder.empty() && source.mask_path.empty())) text += "masks 2";
     return digest(text);
 }
 
@@ -219,9 +220,10 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         collection.remarks.push_back(std::move(remark));
     }
     if (const auto before = store.fact("dimension"); before && *before != std::to_string(collection.dimension)) {
-        collection.remarks.push_back("So far this study was one of " +
-                                     std::string(*before == "3" ? "solids" : "images") +
-                                     "; its results stay in the store and come back with --dimension " + *before + ".");
+        const std::string kind = *before == "3" ? "solids" : "images";
+        collection.remarks.push_back("So far this study was one of " + kind +
+                                     "; its results stay in the store and come back with the " + kind +
+                                     " (--dimension " + *before + ").");
     }
     collection.import = settings.import;
     collection.placement.mode = settings.normalize;
@@ -268,6 +270,9 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         }
         const std::string placing = placing_digest(entry.row.reading, collection.placement);
         entry.needs_import = entry.row.placing != placing || entry.row.content_digest.empty();
+        // Older programs took shapes smaller than a cell: reading says what is wrong with them.
+        const double cell = std::pow(0.5, collection.dimension * collection.placement.level);
+        entry.needs_import = entry.needs_import || entry.row.volume < cell;
         entry.row.placing = placing;
     }
     for (const auto& [name, shape] : known) {

@@ -131,6 +131,14 @@ void keep_common_scale(const CommonScale& scale, ResultStore& store) {
     const auto keep = [&](const std::string& fact, const std::string& value) {
         if (store.fact(fact) != value) store.set_fact(fact, value);
     };
+    // What an older program kept belongs to the dimension that the study had so far.
+    const std::string former = scale.fact.substr(0, scale.fact.rfind(" in "));
+    const auto had = store.fact("dimension"), old = store.fact(former);
+    const std::string taken_over = former + " in " + had.value_or("") + "D";
+    if (had && old && !store.fact(taken_over)) {
+        keep(origin_fact(taken_over), store.fact(origin_fact(former)).value_or(""));
+        keep(taken_over, *old);
+    }
     // The origin first: a scale without it would be taken for one of an older program.
     if (!scale.origin.empty()) keep(origin_fact(scale.fact), scale.origin);
     for (const std::string& fact : {std::string("common_scale"), scale.fact}) keep(fact, exact_text(scale.scale));

@@ -9,6 +9,7 @@
 #include "pipeline/collection.h"
 #include "pipeline/study_rounds.h"
 #include "pipeline/wanted_pairs.h"
+#include "reports/text.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -40,8 +41,8 @@ std::string remark_on_sizes(const StudyData& data) {
     if (!(spread > much)) return "";
     const std::string size = data.dimension == 2 ? "area" : "volume";
     return "--normalize each could not make all shapes equally large, as long ones do not fit into the cube then: " +
-           small->name + " has " + std::to_string(std::lround(100 * (1.0 - spread))) + " % of the " + size + " of " +
-           large->name + ", and distances count that, too.";
+           small->name + " has " + reports::share_text(1.0 - spread) + " of the " + size + " of " + large->name +
+           ", and distances count that, too.";
 }
 
 /// A mask counts at the first shape of a path, see GeodesicOptions.

@@ -59,12 +59,18 @@ std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
     return keys;
 }
 
-long StudyRounds::geodesics_of_finer_levels() const {
+long StudyRounds::geodesics_of_finer_levels(bool both_directions) const {
+    std::vector<const DifferentShapes::value_type*> order;
+    for (const auto& shape : shapes) order.push_back(&shape);
     long count = 0;
-    for (std::size_t level = 1; level < rows.size(); ++level) {
-        count += std::count_if(rows[level].begin(), rows[level].end(), [&](const auto& row) {
-            return shapes.contains(row.first.first) && shapes.contains(row.first.second);
-        });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        for (std::size_t j = i + 1; j < order.size(); ++j) {
+            const auto pair = analysis::DistanceMatrix::condensed_index(order.size(), i, j);
+            const auto levels_of_pair = static_cast<long>(screening.pairs[pair].level);  // but the coarsest
+            if (levels_of_pair == 0) continue;
+            count +=
+                levels_of_pair * static_cast<long>(geodesics_of_pair(*order[i], *order[j], both_directions).size());
+        }
     }
     return count;
 }

@@ -40,8 +40,8 @@ struct StudyRounds {
     [[nodiscard]] bool screened() const { return levels.size() > 1; }
     /// The geodesics to compute next on levels[screening.level]; both directions where the study wants both.
     [[nodiscard]] std::set<GeodesicKey> missing(bool both_directions) const;
-    /// How many geodesics between these shapes are there on all levels but the coarsest.
-    [[nodiscard]] long geodesics_of_finer_levels() const;
+    /// How many geodesics a complete screening asked for on all levels but the coarsest.
+    [[nodiscard]] long geodesics_of_finer_levels(bool both_directions) const;
 };
 [[nodiscard]] StudyRounds rounds_of(const ResultStore& store, const RunSettings& settings,
                                     const ResultStore::OnDamage& on_damage = {});

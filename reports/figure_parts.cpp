@@ -12,10 +12,6 @@ namespace {
 
 constexpr const char* missing = "#9aa1ab";
 
-bool starts_letter(char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-}
-
 bool has_legend(const FigureStudy& s) {
     return s.group_names.size() >= 2 && s.group_names.size() <= 40;
 }
@@ -34,6 +30,10 @@ std::vector<std::pair<double, double>> legend_places(const FigureStudy& s, doubl
 }
 
 }  // namespace
+
+bool starts_letter(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+}
 
 FigureStudy::FigureStudy(const ReportModel& model) : m(model), n(model.shapes.size()) {
     for (const double d : m.distances) {

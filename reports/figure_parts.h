@@ -12,6 +12,9 @@ namespace morphodesic::reports {
 
 inline constexpr const char* ink = "#1b2430";
 
+/// Whether a byte of UTF-8 begins a letter.
+[[nodiscard]] bool starts_letter(char c);
+
 /// What the figures ask of a model.
 class FigureStudy {
 public:

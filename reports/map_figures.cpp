@@ -103,7 +103,7 @@ std::vector<Edge> few_edges(const FigureStudy& s) {
 
 /// Width of a text in small letters.
 double text_width(const std::string& text) {
-    return 5.8 * static_cast<double>(text.size());
+    return 5.8 * static_cast<double>(std::count_if(text.begin(), text.end(), starts_letter));
 }
 
 /// How much of two boxes, given by the distances of their middles and the sums of their half sides, is in common: 0
@@ -254,7 +254,9 @@ Figure page_figure(const FigureStudy& s, const Embedding& e) {
     double label = 0.0;  // of the rows, between the graph and the matrix
     for (std::size_t i = 0; i < s.n; ++i) label = std::max(label, text_width(s.short_name(i)));
     const double shapes = static_cast<double>(s.n), right = 1070.0;
-    const double left = std::max(640.0, 545 + label + 14 + (s.pictured ? std::min(430.0 / shapes, 56.0) : 0));
+    // The matrix keeps two thirds of its usual width however long the names are.
+    const double left =
+        std::clamp(545 + label + 14 + (s.pictured ? std::min(430.0 / shapes, 56.0) : 0), 640.0, right - 290);
     const double cell = (right - left) / shapes, side = s.pictured ? std::min(cell - 2, 56.0) : 0,
                  picture = s.pictured ? 62 : 0;
     Svg svg(1123, 776 + std::max(18.0, legend_height(s, 1040)));

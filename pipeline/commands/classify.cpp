@@ -155,13 +155,18 @@ public:
         if (per_class > 0) keep_medoids(static_cast<std::size_t>(per_class));
         if (options_.classify.calibrate) {
             run.calibration = analysis::calibrate(distances_, classes_, ranking_);
-            const double rate = ranking_.false_rejection;
+            const double rate = ranking_.false_rejection, needed = std::ceil(1.0 / rate - 1.0 - 1e-9);
             if (rate > 0.0 && !std::isfinite(run.calibration->novelty_limit)) {
                 char text[240];
+                const auto there = static_cast<double>(run.calibration->members);
                 std::snprintf(text, sizeof text,
-                              "No query is rejected as of no template's class: for --false-rejection %g at least %.0f "
-                              "templates are needed whose classes have others, and there are %ld.",
-                              rate, std::ceil(1.0 / rate - 1.0 - 1e-9), static_cast<long>(run.calibration->queries));
+                              there < needed
+                                  ? "No query is rejected as of no template's class: for --false-rejection "
+                                    "%g at least %.0f templates are needed whose classes have others, and "
+                                    "%.0f are there."
+                                  : "No query is rejected as of no template's class: from the distances "
+                                    "between the templates no limit for --false-rejection %g can be learned.",
+                              rate, needed, there);
                 run.remarks.emplace_back(text);
             }
         }
@@ -499,6 +504,11 @@ int classify(const ClassifyCommandOptions& options) {
     if (!options.queries.empty() && options.leave_one_out) {
         throw std::invalid_argument(
             "--leave-one-out classifies the templates and takes no queries; give one or the other");
+    }
+    if (options.leave_one_out && options.classify.templates_per_class > 0) {
+        throw std::invalid_argument(
+            "--leave-one-out compares every template with all others, --templates-per-class keeps a few of them; give "
+            "one or the other");
     }
     if (!fs::is_directory(options.templates)) {
         throw std::invalid_argument(options.templates.string() +

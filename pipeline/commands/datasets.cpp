@@ -84,9 +84,9 @@ int write_queries(const DatasetOptions& options) {
                                                         : " with masks") +
                                 " and truth.csv in " + folder.string());
         if (written.repeated > 0) {
-            summary.add_remark(std::to_string(written.repeated) +
-                               (written.repeated == 1 ? " query is" : " queries are") +
-                               " left out, as the shapes have fewer different limbs than --per-shape asks for.");
+            summary.add_remark(
+                std::to_string(written.repeated) + (written.repeated == 1 ? " query is" : " queries are") +
+                " left out: they would be others over again, as fewer parts can be hidden than --per-shape asks for.");
         }
         summary.lines.push_back("Classify them with: morphodesic classify " + folder.string() + " --templates " +
                                 options.source.string());

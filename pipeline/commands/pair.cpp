@@ -108,9 +108,9 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     if (b.mask) {
         summary.add_remark(
             b.row.name +
-            ": what is hidden of the second shape is taken as if it were not; of a path the first shape may "
+            ": what is hidden of the second shape counts as if it were not there; of a path the first shape may "
             "be partly hidden" +
-            (a.mask ? "" : ", so give this one first"));
+            (a.mask ? "." : ", so give this one first."));
     }
     summary.data["a"] = a.row.name;
     summary.data["b"] = b.row.name;

@@ -80,7 +80,7 @@ PairGraphSummary compute_rounds(Workplace& at, const Collection& collection, con
     while (!sum.stopped && sum.shapes > 0 && levels.size() > 1 && graph.solve) {
         const StudyRounds rounds = rounds_of(*at.store, settings);
         if (rounds.screening.missing.empty()) {  // those that earlier runs refined count, too
-            sum.pairs_total = coarsest + rounds.geodesics_of_finer_levels();
+            sum.pairs_total = coarsest + rounds.geodesics_of_finer_levels(settings.pairs.both_directions);
             sum.pairs_stored = sum.pairs_total - sum.pairs_solved;
             break;
         }

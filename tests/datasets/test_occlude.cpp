@@ -168,6 +168,9 @@ TEST(Occlude, NoQueryOfAShapeIsThereTwice) {
     options.kind = "limb";
     options.fraction = 0.1;
     options.per_shape = 12;  // it has no more than six limbs
+    OcclusionOptions before = options;
+    before.kind = "disk";  // queries of an earlier run must not stand among those of this one
+    EXPECT_EQ(write_occluded(scan_folder(folder / "in").sources, folder / "out", before).queries, 12);
     const OcclusionSummary summary = write_occluded(scan_folder(folder / "in").sources, folder / "out", options);
     EXPECT_GE(summary.queries, 3);
     EXPECT_LE(summary.queries, 6);
@@ -177,6 +180,7 @@ TEST(Occlude, NoQueryOfAShapeIsThereTwice) {
         masks.insert(tests::file_content(query.mask_path));
     }
     EXPECT_EQ(masks.size(), static_cast<std::size_t>(summary.queries));
+    EXPECT_EQ(scan_folder(folder / "out").sources.size(), masks.size());
     options.kind = "half-plane";
     options.direction = {1.0, 0.0};
     EXPECT_THAT(options.problems(), ElementsAre(HasSubstr("all queries of a shape are the same")));

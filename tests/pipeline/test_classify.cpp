@@ -307,9 +307,10 @@ TEST(Classify, AnOpenScanThatIsSmallBesideTheTemplatesIsReadOnAFinerGrid) {
     EXPECT_GT(visible_contour(small.level_set, small.mask), 0.3);
     try {
         (void)read(0.012);
-        FAIL() << "no grid of an alignment holds it";
+        FAIL() << "it is smaller than the rim of its mask";
     } catch (const datasets::ReadError& error) {
-        EXPECT_THAT(error.what(), testing::HasSubstr("the whole shape is smaller than a cell of the grid"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("too small on the grid of the templates: it is"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("use a finer --level, --normalize each or templates of its own"));
     }
 }
 

@@ -68,6 +68,12 @@ TEST_F(ClassifyQueries, HaveTheClassOfTheTableBesideThem) {
     const QueryList folder = list({"n2"});
     EXPECT_EQ(folder.queries[0].source.label, "one");
     EXPECT_THAT(folder.remarks, ElementsAre(HasSubstr("1 query is not in the table")));
+    // Nobody named that table: a bad one takes no query away.
+    folder_.write("n2/truth.csv", "file;label\n1.png;one\n");
+    const QueryList without = list({"n2/1.png", "n2/2.png"});
+    ASSERT_EQ(without.queries.size(), 2U);
+    EXPECT_EQ(without.queries[0].source.label, "");
+    EXPECT_THAT(without.remarks, ElementsAre(HasSubstr("has no comma between its columns")));
 }
 
 TEST_F(ClassifyQueries, OfEqualNamesStayApartInTheResults) {

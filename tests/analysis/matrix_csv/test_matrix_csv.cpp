@@ -82,6 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCsv{"OtherOrder", ",a,b\nb,0,1\na,1,0\n", 2, 1, "'b'"},
                     BadCsv{"SameLabel", ",a,a\na,0,1\na,1,0\n", 1, 3, "also that of column 2"},
                     BadCsv{"NoLabels", "0,1.2,3\n1.2,0,2\n3,2,0\n", 1, 1, "no labels"},
+                    BadCsv{"NoLabelsNA", "NA, 1.2,3\n1.2,NA,2\n3,2,NA\n", 1, 1, "no labels"},
                     BadCsv{"NoLabel", ",a,\na,0,1\n,1,0\n", 1, 3, "no label"},
                     BadCsv{"Asymmetric", ",a,b\na,0,1\nb,1.5,0\n", 3, 2, "not symmetric: 1.5 here, 1 in line 2"},
                     BadCsv{"HalfMissing", ",a,b\na,0,\nb,1.5,0\n", 3, 2, "not symmetric"},

@@ -54,10 +54,14 @@ pid_t start_copy(const std::vector<std::string>& arguments, const fs::path& fold
         ::dup2(e, STDERR_FILENO);
         ::close(o);
         ::close(e);
-        const int code = pipeline::run_program(arguments);
-        std::cout.flush();
-        std::fflush(nullptr);
-        ::_exit(code);
+        try {
+            const int code = pipeline::run_program(arguments);
+            std::cout.flush();
+            std::fflush(nullptr);
+            ::_exit(code);
+        } catch (...) {
+            ::_exit(128 + SIGABRT);  // as where nobody catches it
+        }
     }
     return process;
 }
@@ -76,6 +80,7 @@ bool can_be_copied() {
 }
 
 Outcome outcome(pid_t process, const fs::path& folder) {
+    if (process < 0) throw std::runtime_error("no process can be started");
     int status = 0;
     ::waitpid(process, &status, 0);
     const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);

@@ -129,6 +129,10 @@ TEST_F(Neighbours, AreFoundAndTheOtherPairsAreMarkedAsEstimates) {
     EXPECT_EQ(again["pairs_computed"], 0);
     EXPECT_EQ(again["geodesics"], summary["geodesics"]);
     EXPECT_EQ(again["pairs_from_store"], pairs + refined);
+    // Pairs that the full study had count only where the screening asks for them.
+    fs::copy(folder / "full", folder / "both", fs::copy_options::recursive);
+    const json both = json::parse(morphodesic(command("both", 2)).out);
+    EXPECT_EQ(both["geodesics"], summary["geodesics"]);
 
     // Every neighbour of the full study is found, with the same number; estimates are further away.
     const auto all = rows_of(folder / "full/distances.csv"), some = rows_of(folder / "screened/distances.csv"),

@@ -143,6 +143,13 @@ TEST(SolidStudy, ImagesAmongMeshesAreSaidAndMayBeChosen) {
     EXPECT_EQ(images.code, 0) << images.err;
     EXPECT_EQ(json::parse(images.out)["shapes"], 2);
     EXPECT_EQ(with({"--dimension", "4"}).code, 2);
+    const Outcome turned = with({"--dimension", "3", "--out", (folder / "images").string()});
+    EXPECT_THAT(turned.err, HasSubstr("So far this study was one of images; its results stay in the store"));
+    EXPECT_THAT(turned.err, Not(HasSubstr("no longer in the folder")));
+    EXPECT_THAT(turned.err, Not(HasSubstr("The scale of this study")));
+    const Outcome none = morphodesic(quick({"ingest", (folder / "disks").string(), "--dimension", "3"}));
+    EXPECT_EQ(none.code, 2);
+    EXPECT_THAT(none.err, HasSubstr("no solids found"));
     // The same rule for templates.
     write_file(folder / "mixed/labels.csv", "file,label\ndisk-01.png,a\ndisk-02.png,b\n");
     const Outcome classified =

@@ -158,6 +158,10 @@ TEST(Usage, QueriesAreNotLeftUnreadBesideLeaveOneOut) {
     const Outcome done = morphodesic({"classify", disks, "--templates", disks, "--leave-one-out"});
     EXPECT_EQ(done.code, 2);
     EXPECT_THAT(done.err, HasSubstr("--leave-one-out"));
+    const Outcome few =
+        morphodesic({"classify", "--templates", disks, "--leave-one-out", "--templates-per-class", "1"});
+    EXPECT_EQ(few.code, 2);
+    EXPECT_THAT(few.err, HasSubstr("--templates-per-class keeps a few of them"));
     EXPECT_FALSE(fs::exists(folder / "disks.classified"));
 }
 
