@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <queue>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "datasets/collection_folder.h"
 #include "datasets/csv_rows.h"
@@ -385,6 +387,21 @@ void write_picture(const std::filesystem::path& folder, const std::string& name,
     write_coverage(folder / (name + ".mask.png"), picture.hidden, false);
 }
 
+/// A picture whose mask is another one than those of before; nothing if none is found.
+/// @param there  digests of the masks of before; that of the new one is added
+std::optional<OccludedPicture> fresh_picture(const Coverage& object, const OcclusionOptions& options,
+                                             const std::string& name, std::set<std::uint64_t>& there) {
+    constexpr int tries = 30;  // of six limbs the last one is missed once in 200 times
+    for (int again = 0; again < tries; ++again) {
+        const std::string seeding = again == 0 ? name : name + " " + std::to_string(again);
+        OccludedPicture picture = occlude(object, options, mixed(options.seed, seeding));
+        const std::vector<float>& mask = picture.hidden.values;
+        const std::string_view bytes(reinterpret_cast<const char*>(mask.data()), mask.size() * sizeof(float));
+        if (there.insert(mixed(0, bytes)).second) return picture;
+    }
+    return std::nullopt;
+}
+
 Vector3 random_direction(RandomSource& random) {
     for (;;) {
         const Vector3 d{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
@@ -465,26 +482,18 @@ OcclusionSummary write_occluded(const std::vector<ShapeSource>& sources, const s
                 continue;
             }
             const Coverage object = square_picture(read_shape_2d(sources[i], import_options));
-            std::set<std::uint64_t> there;  // digests of masks
-            bool exhausted = false;
+            std::set<std::uint64_t> there;
+            bool more = true;  // after the first one that is not found there are no others
             for (const std::string& name : names[i]) {
-                constexpr int tries = 30;  // of six limbs the last one is missed once in 200 times
-                bool written = false;
-                for (int again = 0; again < tries && !written && !exhausted; ++again) {
-                    const std::string seeding = again == 0 ? name : name + " " + std::to_string(again);
-                    const OccludedPicture picture = occlude(object, options, mixed(options.seed, seeding));
-                    const std::vector<float>& mask = picture.hidden.values;
-                    const std::string_view bytes(reinterpret_cast<const char*>(mask.data()),
-                                                 mask.size() * sizeof(float));
-                    if (!there.insert(mixed(0, bytes)).second) continue;
-                    write_picture(folder, name, picture);
-                    add(name + ".png", picture.hidden_share);
-                    written = true;
+                const auto picture = more ? fresh_picture(object, options, name, there) : std::nullopt;
+                more = picture.has_value();
+                if (picture) {
+                    write_picture(folder, name, *picture);
+                    add(name + ".png", picture->hidden_share);
+                } else {
+                    ++summary.repeated;
+                    for (const char* ending : {".png", ".mask.png"}) std::filesystem::remove(folder / (name + ending));
                 }
-                exhausted = !written;
-                if (written) continue;
-                ++summary.repeated;
-                for (const char* ending : {".png", ".mask.png"}) std::filesystem::remove(folder / (name + ending));
             }
         } catch (const ReadError& error) {
             summary.problems.push_back({error.file(), error.problem(), error.remedy()});

@@ -92,12 +92,11 @@ QueryList list_queries(const ClassifyCommandOptions& options) {
         } else {
             try {
                 datasets::ShapeSource source = datasets::single_source(named);
-                const fs::path table = named.parent_path() / "truth.csv";
-                if (!truth && !beside.contains(table)) beside.emplace(table, table_beside(table, list.remarks));
                 if (!truth) {
-                    const auto& labels = beside.at(table);
-                    const auto found = labels.find(named.filename().string());
-                    if (found != labels.end()) source.label = found->second;
+                    const auto [at, fresh] = beside.try_emplace(named.parent_path() / "truth.csv");
+                    if (fresh) at->second = table_beside(at->first, list.remarks);
+                    const auto found = at->second.find(named.filename().string());
+                    if (found != at->second.end()) source.label = found->second;
                 }
                 list.queries.push_back({std::move(source), ""});
             } catch (const datasets::ReadError& error) {

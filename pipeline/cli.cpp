@@ -462,6 +462,14 @@ RunSettings defaults_after(const CommandLine& first) {
     return settings;
 }
 
+/// What is wrong with the arguments, better than CLI11 says it; empty if it says it well.
+std::string problem_of(const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+    const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    if (!unknown && dynamic_cast<const CLI::ConversionError*>(&error) == nullptr) return "";
+    CommandLine tried(settings_of_preset("standard"));
+    return unknown ? unknown_option(tried.app, arguments) : wrong_value(tried.app, arguments);
+}
+
 int parse_and_run(std::vector<std::string> arguments) {
     std::string repeat = "morphodesic";
     for (const std::string& word : arguments) repeat += " " + shell_word(word);
@@ -515,10 +523,7 @@ int parse_and_run(std::vector<std::string> arguments) {
         }
         return second.action();
     } catch (const CLI::ParseError& error) {
-        CommandLine tried(settings_of_preset("standard"));
-        std::string problem;
-        if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) problem = unknown_option(tried.app, arguments);
-        if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) problem = wrong_value(tried.app, arguments);
+        const std::string problem = problem_of(error, arguments);
         if (!problem.empty()) std::cerr << "morphodesic: " << problem << "\n";
         const int code = problem.empty() ? first.app.exit(error, std::cout, std::cerr) : bad_usage;
         const std::string hint = code == 0 ? "" : dash_hint(arguments);

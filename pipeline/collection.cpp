@@ -262,6 +262,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
         if (!collection.size_warning.empty()) collection.remarks.push_back(collection.size_warning);
     }
     std::set<std::string> names;
+    const double cell = std::pow(0.5, collection.dimension * collection.placement.level);
     for (CollectionEntry& entry : collection.entries) {
         names.insert(entry.row.name);
         if (!entry.row.problem.empty()) {
@@ -269,10 +270,9 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
             continue;
         }
         const std::string placing = placing_digest(entry.row.reading, collection.placement);
-        entry.needs_import = entry.row.placing != placing || entry.row.content_digest.empty();
         // Older programs took shapes smaller than a cell: reading says what is wrong with them.
-        const double cell = std::pow(0.5, collection.dimension * collection.placement.level);
-        entry.needs_import = entry.needs_import || entry.row.volume < cell;
+        entry.needs_import =
+            entry.row.placing != placing || entry.row.content_digest.empty() || entry.row.volume < cell;
         entry.row.placing = placing;
     }
     for (const auto& [name, shape] : known) {

@@ -145,8 +145,9 @@ struct ResultStore::Impl {
         Statement s =
             database.prepare("INSERT OR REPLACE INTO geodesics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
         s.bind(1, g.a).bind(2, g.b).bind(3, g.settings_hash).bind(4, g.failure).bind(5, to_string(g.termination));
-        s.bind(6, g.path_length).bind(7, g.path_energy).bind(8, g.total_energy).bind(9, g.error);
-        s.bind(10, g.extrapolated_length).bind(11, g.min_det).bind(12, g.seconds).bind(13, details);
+        int column = 6;
+        for (const auto number : row_numbers) s.bind(column++, g.*number);
+        s.bind(13, details);
         s.bind(14, row_checksum(g, details)).run();
     }
     /// The caller holds the mutex.
@@ -170,13 +171,8 @@ struct ResultStore::Impl {
         g.settings_hash = s.text(2);
         g.failure = s.text(3);
         g.termination = termination_from(s.text(4));
-        g.path_length = s.number(5);
-        g.path_energy = s.number(6);
-        g.total_energy = s.number(7);
-        g.error = s.number(8);
-        g.extrapolated_length = s.number(9);
-        g.min_det = s.number(10);
-        g.seconds = s.number(11);
+        int column = 5;
+        for (const auto number : row_numbers) g.*number = s.number(column++);
         const std::string details = s.text(12);
         if (row_checksum(g, details) != s.text(13)) {
             return {g, false};

@@ -98,8 +98,8 @@ std::string row_checksum(const StoredGeodesic& g, const std::string& details) {
     std::string bytes;
     for (const std::string* text : {&g.a, &g.b, &g.settings_hash, &g.failure, &details}) bytes += *text + '\n';
     bytes += to_string(g.termination);
-    for (const double x :
-         {g.path_length, g.path_energy, g.total_energy, g.error, g.extrapolated_length, g.min_det, g.seconds}) {
+    for (const auto number : row_numbers) {
+        const double x = g.*number;
         const double canonical = std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x;
         bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
     }
@@ -142,13 +142,14 @@ StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::
 
 std::string line_of(const StoredGeodesic& g) {
     const std::string details = details_of(g);
+    json numbers = json::array();
+    for (const auto number : row_numbers) numbers.push_back(number_to_json(g.*number));
     return json{{"a", g.a},
                 {"b", g.b},
                 {"settings", g.settings_hash},
                 {"failure", g.failure},
                 {"termination", to_string(g.termination)},
-                {"numbers", numbers_to_json({g.path_length, g.path_energy, g.total_energy, g.error,
-                                             g.extrapolated_length, g.min_det, g.seconds})},
+                {"numbers", numbers},
                 {"details", details},
                 {"checksum", row_checksum(g, details)}}
         .dump(-1, ' ', false, json::error_handler_t::replace);
@@ -164,14 +165,8 @@ std::optional<StoredGeodesic> geodesic_from_line(const std::string& line) {
         g.failure = j.at("failure");
         g.termination = termination_from(j.at("termination").get<std::string>());
         const std::vector<double> numbers = numbers_from_json(j.at("numbers"));
-        if (numbers.size() != 7) return std::nullopt;
-        g.path_length = numbers[0];
-        g.path_energy = numbers[1];
-        g.total_energy = numbers[2];
-        g.error = numbers[3];
-        g.extrapolated_length = numbers[4];
-        g.min_det = numbers[5];
-        g.seconds = numbers[6];
+        if (numbers.size() != row_numbers.size()) return std::nullopt;
+        for (std::size_t i = 0; i < numbers.size(); ++i) g.*row_numbers[i] = numbers[i];
         const auto details = j.at("details").get<std::string>();
         if (row_checksum(g, details) != j.at("checksum")) return std::nullopt;
         read_details(details, g);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,12 @@ struct StoredGeodesic {
     /// Why the path length must not be used as a distance; empty if it may.
     [[nodiscard]] std::string problem() const;
 };
+
+/// The numbers of a row, in the order of its columns and of its checksum.
+inline constexpr std::array<double StoredGeodesic::*, 7> row_numbers{
+    &StoredGeodesic::path_length, &StoredGeodesic::path_energy,         &StoredGeodesic::total_energy,
+    &StoredGeodesic::error,       &StoredGeodesic::extrapolated_length, &StoredGeodesic::min_det,
+    &StoredGeodesic::seconds};
 
 /// The row of a solver result.
 template <int Dim>

@@ -1,7 +1,6 @@
 #include "pipeline/study_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -46,9 +45,9 @@ std::string remark_on_sizes(const StudyData& data) {
 }
 
 /// A mask counts at the first shape of a path, see GeodesicOptions.
-std::string remark_on_masks(const std::vector<StoredShape>& shapes, const std::set<std::string>& masked) {
+std::string remark_on_masks(const std::vector<StoredShape>& shapes, const DifferentShapes& traits) {
     const auto hidden = std::count_if(shapes.begin(), shapes.end(),
-                                      [&](const StoredShape& shape) { return masked.contains(shape.content_digest); });
+                                      [&](const StoredShape& shape) { return traits.at(shape.content_digest).masked; });
     if (hidden < 2) return "";
     return std::to_string(hidden) +
            " shapes are partly hidden; of a pair of these only what the first one hides (path_from in pairs.csv) is "
@@ -75,10 +74,6 @@ StudyData load_study(const ResultStore& store) {
             data.unusable.push_back(std::move(shape));
         }
     }
-    for (std::string remark : {remark_on_equal(data.shapes), remark_on_sizes(data),
-                               remark_on_masks(data.shapes, store.masked_level_sets())}) {
-        if (!remark.empty()) data.remarks.push_back(std::move(remark));
-    }
     data.distances = analysis::DistanceMatrix(names);
     data.pairs.resize(data.distances.pair_count());
     data.first_is_a.resize(data.distances.pair_count(), true);
@@ -87,6 +82,10 @@ StudyData load_study(const ResultStore& store) {
     std::set<std::pair<std::string, std::string>> damaged;
     const StudyRounds rounds =
         rounds_of(store, data.settings, [&](const std::string& a, const std::string& b) { damaged.emplace(a, b); });
+    for (std::string remark :
+         {remark_on_equal(data.shapes), remark_on_sizes(data), remark_on_masks(data.shapes, rounds.shapes)}) {
+        if (!remark.empty()) data.remarks.push_back(std::move(remark));
+    }
     data.levels = rounds.levels;
     const std::size_t finest = rounds.levels.size() - 1;
     data.level_of.assign(data.distances.pair_count(), static_cast<unsigned char>(finest));

@@ -8,6 +8,17 @@
 #include "analysis/distance_matrix.h"
 
 namespace morphodesic::pipeline {
+namespace {
+
+/// The shapes by number, as a screening knows them.
+std::vector<const DifferentShapes::value_type*> in_order(const DifferentShapes& shapes) {
+    std::vector<const DifferentShapes::value_type*> order;
+    for (const auto& shape : shapes) order.push_back(&shape);
+    return order;
+}
+
+}  // namespace
+
 PairDistance distance_of_pair(const GeodesicRows& rows, const std::vector<GeodesicKey>& keys) {
     PairDistance pair;
     std::vector<double> lengths;
@@ -47,8 +58,7 @@ DifferentShapes different_shapes(const ResultStore& store) {
 }
 
 std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
-    std::vector<const DifferentShapes::value_type*> order;
-    for (const auto& shape : shapes) order.push_back(&shape);
+    const auto order = in_order(shapes);
     std::set<GeodesicKey> keys;
     const GeodesicRows& there = rows[screening.level];
     for (const auto& [i, j] : screening.missing) {
@@ -60,8 +70,7 @@ std::set<GeodesicKey> StudyRounds::missing(bool both_directions) const {
 }
 
 long StudyRounds::geodesics_of_finer_levels(bool both_directions) const {
-    std::vector<const DifferentShapes::value_type*> order;
-    for (const auto& shape : shapes) order.push_back(&shape);
+    const auto order = in_order(shapes);
     long count = 0;
     for (std::size_t i = 0; i < order.size(); ++i) {
         for (std::size_t j = i + 1; j < order.size(); ++j) {
@@ -81,8 +90,7 @@ StudyRounds rounds_of(const ResultStore& store, const RunSettings& settings, con
     for (const GeodesicOptions& level : rounds.levels) rounds.rows.push_back(rows_of(store, level, on_damage));
     rounds.shapes = different_shapes(store);
     if (!rounds.screened()) return rounds;
-    std::vector<const DifferentShapes::value_type*> order;
-    for (const auto& shape : rounds.shapes) order.push_back(&shape);
+    const auto order = in_order(rounds.shapes);
     // Asked for several times: by the numbers of the shapes it is found faster than by their digests.
     const std::size_t n = order.size();
     std::map<std::string, std::size_t> number;

@@ -60,7 +60,7 @@ void check(cairo_status_t status) {
 }
 
 /// An opaque surface as PNG. Figures have few colours and long runs of them: without filters and with little effort the
-/// files are as small as those that cairo writes, in a fifth of the time.
+/// files are 1 % larger than those that cairo writes, and a study of four disks takes half the processor time.
 std::string png_of(cairo_surface_t* surface) {
     cairo_surface_flush(surface);
     const int width = cairo_image_surface_get_width(surface), height = cairo_image_surface_get_height(surface);

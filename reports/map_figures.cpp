@@ -154,13 +154,13 @@ void draw_graph(Svg& svg, const FigureStudy& s, const Layout& l, const std::vect
     };
     const auto x = [&](int i) { return l.across(l.x[static_cast<std::size_t>(i)]); };
     const auto y = [&](int i) { return l.up(l.y[static_cast<std::size_t>(i)]); };
+    const auto pictured = [&](std::size_t i) { return picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty(); };
     for (const auto& e : edges) {
         if (visible(e)) svg.line(x(e.a), y(e.a), x(e.b), y(e.b), "#8b95a3", labelled ? 1.5 : 1);
     }
     for (const auto i : l.drawn) {
         const int k = static_cast<int>(i);
-        const bool pictured = picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty();
-        if (pictured) {
+        if (pictured(i)) {
             svg.circle(x(k), y(k), 0.62 * picture, "#ffffff", s.colour(i), 1.6);
             svg.image(x(k) - picture / 2, y(k) - picture / 2, picture, picture, s.m.shapes[i].thumbnail.bytes);
         } else {
@@ -170,8 +170,8 @@ void draw_graph(Svg& svg, const FigureStudy& s, const Layout& l, const std::vect
     if (!labelled) return;
     for (const auto i : l.drawn) {  // over all pictures, or a neighbour's would cover a name
         const int k = static_cast<int>(i);
-        const bool pictured = picture > 0 && !s.m.shapes[i].thumbnail.bytes.empty();
-        svg.text(x(k), y(k) + name_below(pictured ? picture : 0), s.short_name(i), 10, "middle", ink, false, "#ffffff");
+        svg.text(x(k), y(k) + name_below(pictured(i) ? picture : 0), s.short_name(i), 10, "middle", ink, false,
+                 "#ffffff");
     }
     std::vector<Edge> numbered;
     std::copy_if(edges.begin(), edges.end(), std::back_inserter(numbered), visible);

@@ -47,6 +47,21 @@ double turn_degrees(const RigidMotion<Dim>& motion) {
     return std::acos(cosine) * 180 / std::numbers::pi;
 }
 
+/// Why no query is rejected as of no template's class, if none is though that was asked for; else empty.
+std::string remark_on_rejection(const analysis::Calibration& calibration) {
+    const double rate = calibration.options.false_rejection;
+    if (!(rate > 0.0) || std::isfinite(calibration.novelty_limit)) return "";
+    const double needed = std::ceil(1.0 / rate - 1.0 - 1e-9), there = static_cast<double>(calibration.members);
+    char text[240];
+    std::snprintf(text, sizeof text,
+                  there < needed ? "No query is rejected as of no template's class: for --false-rejection %g at least "
+                                   "%.0f templates are needed whose classes have others, and %.0f are there."
+                                 : "No query is rejected as of no template's class: from the distances between the "
+                                   "templates no limit for --false-rejection %g can be learned.",
+                  rate, needed, there);
+    return text;
+}
+
 template <int Dim>
 class Classifier {
 public:
@@ -110,7 +125,7 @@ public:
         const std::size_t n = set_.shapes.size();
         progress_.message("classifying " + std::to_string(n) + " templates against each other");
         std::vector<std::vector<TemplateResult<Dim>>> rows(n);
-        std::vector<double> row_seconds(n, 0.0);
+        row_seconds_.assign(n, 0.0);
         ClassifyOptions classify = options_.classify;
         // Medoids and tables of hits need all distances alike.
         if (per_class > 0 || options_.leave_one_out) classify.screening = false;
@@ -122,14 +137,13 @@ public:
                                                   options_.settings.geodesic.align, options_.mask == "auto", mirror_);
                 rows[i] =
                     compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic, classify, stopped, i);
-                row_seconds[i] = now() - at;
+                row_seconds_[i] = now() - at;
             } catch (const std::exception& error) {
                 const std::scoped_lock lock(mutex_);
                 run.failures.push_back({set_.shapes[i]->name, "", set_.shapes[i]->name + ": " + error.what()});
             }
         });
         loo_seconds_ = now() - begin;
-        row_seconds_ = std::move(row_seconds);
         loo_rows_ = rows;
         std::vector<std::string> names;
         for (const auto& shape : set_.shapes) names.push_back(shape->name);
@@ -155,19 +169,8 @@ public:
         if (per_class > 0) keep_medoids(static_cast<std::size_t>(per_class));
         if (options_.classify.calibrate) {
             run.calibration = analysis::calibrate(distances_, classes_, ranking_);
-            const double rate = ranking_.false_rejection, needed = std::ceil(1.0 / rate - 1.0 - 1e-9);
-            if (rate > 0.0 && !std::isfinite(run.calibration->novelty_limit)) {
-                char text[240];
-                const auto there = static_cast<double>(run.calibration->members);
-                std::snprintf(text, sizeof text,
-                              there < needed
-                                  ? "No query is rejected as of no template's class: for --false-rejection "
-                                    "%g at least %.0f templates are needed whose classes have others, and "
-                                    "%.0f are there."
-                                  : "No query is rejected as of no template's class: from the distances "
-                                    "between the templates no limit for --false-rejection %g can be learned.",
-                              rate, needed, there);
-                run.remarks.emplace_back(text);
+            if (std::string remark = remark_on_rejection(*run.calibration); !remark.empty()) {
+                run.remarks.push_back(std::move(remark));
             }
         }
         finish_templates();

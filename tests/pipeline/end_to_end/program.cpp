@@ -23,10 +23,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-pid_t start(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder) {
-    std::vector<char*> argv{const_cast<char*>(program.c_str())};
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-    argv.push_back(nullptr);
+/// A process that does something and never returns from it, with its output in files of a folder.
+template <class Work>
+pid_t start_process(const fs::path& folder, const Work& work) {
     const std::string out = (folder / "out").string(), err = (folder / "err").string();
     const pid_t process = fork();
     if (process == 0) {
@@ -34,10 +33,17 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
         const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
         ::dup2(o, STDOUT_FILENO);
         ::dup2(e, STDERR_FILENO);
-        ::execv(program.c_str(), argv.data());
+        work();
         ::_exit(127);
     }
     return process;
+}
+
+pid_t start(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder) {
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    return start_process(folder, [&] { ::execv(program.c_str(), argv.data()); });
 }
 
 /// The program in a copy of this process: starting it anew means to load its 170 libraries, which takes longer than
@@ -45,15 +51,7 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
 pid_t start_copy(const std::vector<std::string>& arguments, const fs::path& folder) {
     std::cout.flush();
     std::fflush(nullptr);  // or the copy would print what this process has not printed yet
-    const std::string out = (folder / "out").string(), err = (folder / "err").string();
-    const pid_t process = fork();
-    if (process == 0) {
-        const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        ::dup2(o, STDOUT_FILENO);
-        ::dup2(e, STDERR_FILENO);
-        ::close(o);
-        ::close(e);
+    return start_process(folder, [&] {
         try {
             const int code = pipeline::run_program(arguments);
             std::cout.flush();
@@ -62,8 +60,7 @@ pid_t start_copy(const std::vector<std::string>& arguments, const fs::path& fold
         } catch (...) {
             ::_exit(128 + SIGABRT);  // as where nobody catches it
         }
-    }
-    return process;
+    });
 }
 
 std::ptrdiff_t thread_count() {
@@ -90,9 +87,9 @@ Outcome outcome(pid_t process, const fs::path& folder) {
 }  // namespace
 
 Outcome morphodesic(const std::vector<std::string>& arguments) {
+    if (!can_be_copied()) return morphodesic_file(arguments);
     const TemporaryFolder folder;
-    if (can_be_copied()) return outcome(start_copy(arguments, folder.path()), folder.path());
-    return outcome(start(MORPHODESIC_PROGRAM, arguments, folder.path()), folder.path());
+    return outcome(start_copy(arguments, folder.path()), folder.path());
 }
 
 Outcome morphodesic_file(const std::vector<std::string>& arguments) {

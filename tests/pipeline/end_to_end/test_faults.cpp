@@ -22,24 +22,27 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Waits until the running program has stored that many pairs; false after half a minute.
-bool wait_for_rows(const fs::path& study, long rows) {
+/// Waits until the running program has come so far; false after half a minute.
+template <class Condition>
+bool wait_until(const Condition& reached) {
     for (int i = 0; i < 6000; ++i) {
-        if (stored_rows(study) >= rows) return true;
+        if (reached()) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
 }
 
-/// Waits until the running program has drawn that many paths of a study; false after half a minute.
+/// Waits until that many pairs are stored.
+bool wait_for_rows(const fs::path& study, long rows) {
+    return wait_until([&] { return stored_rows(study) >= rows; });
+}
+
+/// Waits until that many paths of a study are drawn.
 bool wait_for_paths(const fs::path& study, long paths) {
-    for (int i = 0; i < 6000; ++i) {
+    return wait_until([&] {
         std::error_code error;  // for a moment the folder may not be there
-        if (std::distance(fs::directory_iterator(study / "paths", error), fs::directory_iterator()) >= paths)
-            return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
+        return std::distance(fs::directory_iterator(study / "paths", error), fs::directory_iterator()) >= paths;
+    });
 }
 
 void execute(const fs::path& store, const std::string& sql) {
