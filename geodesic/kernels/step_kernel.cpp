@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -12,9 +10,9 @@
 // clang-format off
 #include "hwy/highway.h"
 #include "hwy/contrib/math/math-inl.h"
+#include "geodesic/kernels/deformed_points-inl.h"
 #include "geodesic/kernels/elastic-inl.h"
 #include "geodesic/kernels/multilinear-inl.h"
-#include "geodesic/kernels/node_block-inl.h"
 #include "geodesic/kernels/vectors-inl.h"
 // clang-format on
 
@@ -97,8 +95,6 @@ HWY_INLINE V<D> smooth_heaviside(D d, V<D> u, V<D> inverse_eps, V<D>& unit_delta
 template <int Dim, Quadrature Rule, class D>
 StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T<D>>& f, const StepWeights& s,
                         const StepGradients<Dim, T<D>>& g) {
-    const hn::RebindToSigned<D> di;
-    using Index = hn::TFromD<decltype(di)>;
     const int lanes = static_cast<int>(hn::Lanes(d));
     constexpr auto& table = monomial_table<Dim, Rule, T<D>>;
     constexpr int corners = 1 << Dim, points = table.points;
@@ -107,11 +103,11 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     for (int a = 0; a < Dim; ++a) cell_volume /= cells_per_unit;
     const double quadrature_weight = cell_volume / points;
 
-    const NodeDistances<Dim> nodes(f.cells);
-    int first_node[Dim] = {}, last_node[Dim];
-    for (int a = 0; a < Dim; ++a) last_node[a] = f.cells[a];
-    first_node[Dim - 1] = f.u_next_first_row;
-    last_node[Dim - 1] = f.u_next_last_row;
+    NodeRange<Dim> range{NodeDistances<Dim>(f.cells), {}, {}};
+    const auto& nodes = range.distance;
+    for (int a = 0; a < Dim; ++a) range.last[a] = f.cells[a];
+    range.first[Dim - 1] = f.u_next_first_row;
+    range.last[Dim - 1] = f.u_next_last_row;
 
     const bool with_gradient = g.displacement[0] != nullptr;
     const bool with_previous = with_gradient && g.u_previous != nullptr;
@@ -135,6 +131,20 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     const auto padded = static_cast<std::size_t>(cells);
     static thread_local std::vector<T<D>> rows;
     rows.resize(static_cast<std::size_t>(outputs * corners) * padded);
+
+    // B = D phi - I at quadrature point q by the coefficients of w.
+    const auto gradient_at = [&](int q, const V<D>(&w)[Dim][corners], V<D>(&b)[Dim][Dim]) HWY_ATTR {
+        for (int a = 0; a < Dim; ++a) {
+            for (int j = 0; j < Dim; ++j) {
+                b[a][j] = w[a][1 << j];
+                for (int m = 1; m < corners; ++m) {
+                    if (((m >> j) & 1) && m != (1 << j)) {
+                        b[a][j] = hn::MulAdd(hn::Set(d, table.value[q][m ^ (1 << j)]), w[a][m], b[a][j]);
+                    }
+                }
+            }
+        }
+    };
 
     V<D> min_det = all(d, 1e30);
     StepSums sums;
@@ -168,149 +178,98 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                 to_monomials<Dim>(d, u);
                 if (f.mask) to_monomials<Dim>(d, chi);
 
-                // Deformed points, in units of h. They count from the lower corner of their own cell: exact to the last
-                // bit of the displacement.
-                V<D> position[points][Dim], own[Dim], low[Dim], high[Dim];
+                V<D> own[Dim];
                 for (int a = 0; a < Dim; ++a) {
                     own[a] = a == 0 ? hn::Iota(d, static_cast<T<D>>(i)) : a == Dim - 1 ? all(d, row) : all(d, middle);
-                    low[a] = all(d, 1e30);
-                    high[a] = all(d, -1e30);
-                    for (int q = 0; q < points; ++q) {
+                }
+                DeformedPoints<Dim, points, D> there(d, range, own);
+                for (int q = 0; q < points; ++q) {
+                    for (int a = 0; a < Dim; ++a) {
                         V<D> x = hn::Add(w[a][0], hn::Set(d, table.coordinate[q][a]));
                         for (int m = 1; m < corners; ++m) x = hn::MulAdd(hn::Set(d, table.value[q][m]), w[a][m], x);
-                        position[q][a] = x;
-                        low[a] = hn::Min(low[a], x);
-                        high[a] = hn::Max(high[a], x);
+                        there.set(d, q, a, x);
                     }
                 }
-                // The first node of a block of so many cells that begins at the cell of x, and its place from own.
-                const auto block_at = [&](const V<D>(&x)[Dim], int size, V<D>(&shift)[Dim]) HWY_ATTR {
-                    auto first = hn::Zero(di);
-                    for (int a = 0; a < Dim; ++a) {
-                        const V<D> cell = hn::Min(hn::Max(hn::Add(hn::Floor(x[a]), own[a]), all(d, first_node[a])),
-                                                  all(d, last_node[a] - size));
-                        shift[a] = hn::Sub(cell, own[a]);
-                        first = hn::Add(
-                            first, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, static_cast<Index>(nodes.axis[a]))));
-                    }
-                    return first;
-                };
+                there.read(d, f.u_next);
 
-                const auto add_point = [&](int q, const V<D>(&shift)[Dim], int size, auto& block) HWY_ATTR
-                    __attribute__((always_inline)) {
-                    V<D> monomial[corners];
-                    for (int m = 1; m < corners; ++m) monomial[m] = hn::Set(d, table.value[q][m]);
-                    V<D> b[Dim][Dim], norm = zero;
-                    for (int a = 0; a < Dim; ++a) {
-                        for (int j = 0; j < Dim; ++j) {
-                            b[a][j] = w[a][1 << j];
-                            for (int m = 1; m < corners; ++m) {
-                                if (((m >> j) & 1) && m != (1 << j)) {
-                                    b[a][j] = hn::MulAdd(monomial[m ^ (1 << j)], w[a][m], b[a][j]);
-                                }
-                            }
-                            norm = hn::MulAdd(b[a][j], b[a][j], norm);
-                        }
-                    }
+                // The points go through these loops side by side: each waits for arc tangents or divisions, and while
+                // loops are short a processor looks far enough ahead to work on the next points meanwhile.
+                V<D> stiffness[points], delta_here[points], match[points], force[points];
+                for (int q = 0; q < points; ++q) {
                     V<D> u_here = u[0];
-                    for (int m = 1; m < corners; ++m) u_here = hn::MulAdd(monomial[m], u[m], u_here);
-
-                    // W = mu (|B|^2 / 2 - higher) + lambda/4 D^2 + (mu + lambda/2) (D - log(1 + D)), D = det - 1.
-                    V<D> det_minus_one, higher;
-                    determinant_minus_one<Dim>(d, b, det_minus_one, higher);
-                    min_det = hn::Min(min_det, hn::Add(one, det_minus_one));
-                    V<D> density = hn::NegMulAdd(mu, higher, hn::Mul(half_mu, norm));
-                    density = hn::MulAdd(quarter_lambda, hn::Mul(det_minus_one, det_minus_one), density);
-                    V<D> inverse_det, delta_here, delta_there;
-                    density = hn::MulAdd(log_factor, minus_log1p(d, det_minus_one, inverse_det), density);
-                    const V<D> inside = smooth_heaviside(d, u_here, inverse_eps, delta_here);
-                    const V<D> weight = hn::MulAdd(stiffness_range, inside, least_stiffness);
-                    sum_deformation = hn::MulAdd(weight, density, sum_deformation);
-
-                    // u_k at the deformed point.
-                    V<D> x[Dim], v[corners], fraction[Dim], gradient[Dim];
-                    for (int a = 0; a < Dim; ++a) {
-                        x[a] = hn::Min(hn::Max(hn::Sub(position[q][a], shift[a]), zero),
-                                       all(d, static_cast<double>(size)));
+                    for (int m = 1; m < corners; ++m) {
+                        u_here = hn::MulAdd(hn::Set(d, table.value[q][m]), u[m], u_here);
                     }
-                    block.corners(d, x, v, fraction);
-                    const V<D> u_there = multilinear<Dim>(d, v, fraction, gradient);
-
-                    const V<D> residual = hn::Sub(smooth_heaviside(d, u_there, inverse_eps, delta_there), inside);
+                    V<D> delta_there;
+                    const V<D> inside = smooth_heaviside(d, u_here, inverse_eps, delta_here[q]);
+                    const V<D> residual = hn::Sub(smooth_heaviside(d, there.u[q], inverse_eps, delta_there), inside);
+                    stiffness[q] = hn::MulAdd(stiffness_range, inside, least_stiffness);
                     V<D> masked_residual = residual;
                     if (f.mask) {
                         V<D> known = chi[0];
-                        for (int m = 1; m < corners; ++m) known = hn::MulAdd(monomial[m], chi[m], known);
+                        for (int m = 1; m < corners; ++m) {
+                            known = hn::MulAdd(hn::Set(d, table.value[q][m]), chi[m], known);
+                        }
                         masked_residual = hn::Mul(known, residual);
                     }
                     sum_mismatch = hn::MulAdd(masked_residual, residual, sum_mismatch);
-                    if (!with_gradient) return;
+                    match[q] = hn::Mul(match_factor, masked_residual);
+                    force[q] = hn::Mul(match[q], hn::Mul(delta_there, delta_factor));
+                }
 
-                    const V<D> match = hn::Mul(match_factor, masked_residual);
-                    // c = lambda/2 det - (mu + lambda/2) / det + mu.
-                    const V<D> c = hn::MulAdd(half_lambda, det_minus_one,
-                                              hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
-                    V<D> p[Dim][Dim];
-                    first_piola<Dim>(d, b, mu, c, p);
-                    const V<D> stress_factor = hn::Mul(deformation_factor, weight);
-                    const V<D> force = hn::Mul(match, hn::Mul(delta_there, delta_factor));
+                // W = mu (|B|^2 / 2 - higher) + lambda/4 D^2 + (mu + lambda/2) (D - log(1 + D)), D = det - 1.
+                V<D> density[points], pressure[points];
+                for (int q = 0; q < points; ++q) {
+                    V<D> b[Dim][Dim], norm = zero;
+                    gradient_at(q, w, b);
                     for (int a = 0; a < Dim; ++a) {
-                        const V<D> body = hn::Mul(force, gradient[a]);
+                        for (int j = 0; j < Dim; ++j) norm = hn::MulAdd(b[a][j], b[a][j], norm);
+                    }
+                    V<D> det_minus_one, higher, inverse_det;
+                    determinant_minus_one<Dim>(d, b, det_minus_one, higher);
+                    min_det = hn::Min(min_det, hn::Add(one, det_minus_one));
+                    density[q] = hn::NegMulAdd(mu, higher, hn::Mul(half_mu, norm));
+                    density[q] = hn::MulAdd(quarter_lambda, hn::Mul(det_minus_one, det_minus_one), density[q]);
+                    density[q] = hn::MulAdd(log_factor, minus_log1p(d, det_minus_one, inverse_det), density[q]);
+                    sum_deformation = hn::MulAdd(stiffness[q], density[q], sum_deformation);
+                    // c of first_piola is lambda/2 det - (mu + lambda/2) / det + mu.
+                    pressure[q] = hn::MulAdd(half_lambda, det_minus_one,
+                                             hn::Mul(hn::Mul(log_factor, det_minus_one), inverse_det));
+                }
+                if (!with_gradient) continue;
+
+                for (int q = 0; q < points; ++q) {
+                    V<D> b[Dim][Dim], p[Dim][Dim];
+                    gradient_at(q, w, b);
+                    first_piola<Dim>(d, b, mu, pressure[q], p);
+                    const V<D> stress_factor = hn::Mul(deformation_factor, stiffness[q]);
+                    for (int a = 0; a < Dim; ++a) {
+                        const V<D> body = hn::Mul(force[q], there.slope[q][a]);
                         for (int j = 0; j < Dim; ++j) p[a][j] = hn::Mul(p[a][j], stress_factor);
                         grad_w[a][0] = hn::Add(grad_w[a][0], body);
                         for (int m = 1; m < corners; ++m) {
-                            V<D> sum = hn::MulAdd(monomial[m], body, grad_w[a][m]);
+                            V<D> sum = hn::MulAdd(hn::Set(d, table.value[q][m]), body, grad_w[a][m]);
                             for (int j = 0; j < Dim; ++j) {
                                 if (m == (1 << j)) {
                                     sum = hn::Add(sum, p[a][j]);
                                 } else if ((m >> j) & 1) {
-                                    sum = hn::MulAdd(monomial[m ^ (1 << j)], p[a][j], sum);
+                                    sum = hn::MulAdd(hn::Set(d, table.value[q][m ^ (1 << j)]), p[a][j], sum);
                                 }
                             }
                             grad_w[a][m] = sum;
                         }
                     }
-                    if (with_previous) {
-                        const V<D> softness = hn::Mul(hn::Mul(stiffness_range, deformation_factor), density);
-                        const V<D> coefficient = hn::Mul(hn::Mul(delta_here, delta_factor), hn::Sub(softness, match));
-                        grad_u[0] = hn::Add(grad_u[0], coefficient);
-                        for (int m = 1; m < corners; ++m) {
-                            grad_u[m] = hn::MulAdd(monomial[m], coefficient, grad_u[m]);
-                        }
-                    }
-                    if (with_next) block.add(d, x, force);
-                };
-
-                // One block for all points if they fit in every lane; what sticks out of the grid counts as on its
-                // border.
-                const auto add_cell = [&]<int Width>(std::integral_constant<int, Width>) HWY_ATTR {
-                    V<D> shift[Dim];
-                    const auto first = block_at(low, Width - 1, shift);
-                    auto fits = hn::FirstN(d, most_lanes);
-                    for (int a = 0; a < Dim; ++a) {
-                        const V<D> end = hn::Add(shift[a], all(d, Width - 1));
-                        const V<D> border = hn::Sub(all(d, last_node[a]), own[a]);
-                        fits = hn::And(fits, hn::Le(hn::Min(high[a], border), end));
-                    }
-                    if (!hn::AllTrue(d, fits)) return false;
-                    NodeBlock<Dim, Width, D> block(d, f.u_next, first, nodes.axis);
-                    for (int q = 0; q < points; ++q) add_point(q, shift, Width - 1, block);
-                    if (with_next) block.scatter(d, u_next_gradient, first, nodes.axis);
-                    return true;
-                };
-                bool added = add_cell(std::integral_constant<int, 3>());
-                if constexpr (Dim == 2) added = added || add_cell(std::integral_constant<int, 4>());
-                if (!added) {
-                    for (int q = 0; q < points; ++q) {
-                        V<D> shift[Dim];
-                        const auto first = block_at(position[q], 1, shift);
-                        NodeBlock<Dim, 2, D> block(d, f.u_next, first, nodes.axis);
-                        add_point(q, shift, 1, block);
-                        if (with_next) block.scatter(d, u_next_gradient, first, nodes.axis);
+                }
+                for (int q = 0; with_previous && q < points; ++q) {
+                    const V<D> softness = hn::Mul(hn::Mul(stiffness_range, deformation_factor), density[q]);
+                    const V<D> coefficient = hn::Mul(hn::Mul(delta_here[q], delta_factor), hn::Sub(softness, match[q]));
+                    grad_u[0] = hn::Add(grad_u[0], coefficient);
+                    for (int m = 1; m < corners; ++m) {
+                        grad_u[m] = hn::MulAdd(hn::Set(d, table.value[q][m]), coefficient, grad_u[m]);
                     }
                 }
+                if (with_next) there.write(d, force, u_next_gradient);
 
-                if (!with_gradient) continue;
                 T<D>* target = rows.data() + i;
                 for (int a = 0; a < Dim; ++a) {
                     to_corners<Dim>(d, grad_w[a]);
