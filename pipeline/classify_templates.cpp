@@ -236,25 +236,21 @@ ComparedShape<Dim> load_query(const datasets::ShapeSource& source, const Templat
     const datasets::RawShape<Dim> raw = datasets::read_shape<Dim>(file, reading);
     datasets::NormalizeOptions placement = templates.placement;
     ComparedShape<Dim> query;
-    for (bool read = false; !read;) {
+    int cells = 0;  // on the grid of the templates
+    for (;; ++placement.level) {
+        const bool finest = Dim == 2 || placement.level >= alignment_level;
         try {
             query = compared(datasets::normalize(raw, placement));
-            read = true;
         } catch (const datasets::ReadError&) {  // less than a cell of the grid, or none of its nodes
-            if (Dim == 2 || placement.level >= alignment_level) throw;
-            ++placement.level;
+            if (finest) throw;
+            continue;
         }
-    }
-    if (ignore_mask) query.mask = {};
-    const bool nothing_hidden =
-        std::all_of(query.mask.values.begin(), query.mask.values.end(), [](double chi) { return chi > 0.99; });
-    if (nothing_hidden) query.mask = {};
-    const int finer = placement.level - templates.placement.level;
-    const int cells = std::max(1, cells_long(query.level_set) >> finer);
-    while (Dim == 3 && placement.level < alignment_level &&
-           visible_contour(query.level_set, query.mask) < least_visible) {
-        ++placement.level;
-        query = compared(datasets::normalize(raw, placement));
+        const bool nothing_hidden =
+            std::all_of(query.mask.values.begin(), query.mask.values.end(), [](double chi) { return chi > 0.99; });
+        if (ignore_mask || nothing_hidden) query.mask = {};
+        const int finer = placement.level - templates.placement.level;
+        if (cells == 0) cells = std::max(1, cells_long(query.level_set) >> finer);
+        if (finest || visible_contour(query.level_set, query.mask) >= least_visible) break;
     }
     if (visible_contour(query.level_set, query.mask) == 0.0) refuse_as_hidden<Dim>(source, templates, cells);
     if (placement.level > templates.placement.level) {
