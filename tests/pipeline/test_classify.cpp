@@ -178,21 +178,46 @@ TEST(Classify, RedistancedGivesDistances) {
     }
 }
 
-TEST(Classify, BatchOfOccludedLettersFromTheCommandLine) {
+/// Takes away what a clock says.
+void forget_times(nlohmann::json& json) {
+    if (!json.is_structured()) return;
+    if (json.is_object()) {
+        for (const char* key : {"seconds", "queries_per_second"}) json.erase(key);
+    }
+    for (auto& value : json) forget_times(value);
+}
+
+/// Three bars and three disks, and the same with a fifth of each hidden as queries.
+struct OccludedBars {
     const tests::TemporaryFolder folder;
-    const std::string men = (folder / "bars").string(), queries = (folder / "queries").string(),
+    const std::string templates = (folder / "templates").string(), queries = (folder / "queries").string(),
                       out = (folder / "out").string();
-    for (const char* kind : {"bars", "disks"}) {
-        ASSERT_EQ(run_program({"datasets", kind, "--out", men + "/" + kind, "--count", "3", "--size", "96", "--quiet"}),
+
+    OccludedBars() {
+        for (const char* kind : {"bars", "disks"}) {
+            EXPECT_EQ(run_program({"datasets", kind, "--out", templates + "/" + kind, "--count", "3", "--size", "96",
+                                   "--quiet"}),
+                      0);
+        }
+        EXPECT_EQ(run_program({"datasets", "occlude", templates, "--fraction", "0.2", "--out", queries, "--labels",
+                               "folder", "--quiet"}),
                   0);
     }
-    ASSERT_EQ(run_program(
-                  {"datasets", "occlude", men, "--fraction", "0.2", "--out", queries, "--labels", "folder", "--quiet"}),
-              0);
-    ASSERT_EQ(run_program({"classify", queries, "--templates", men, "--labels", "folder", "--level", "4", "--steps",
-                           "1", "--out", out, "--quiet", "--filmstrips", "1", "--pictures", "2"}),
-              0);
-    const auto json = nlohmann::json::parse(tests::file_content(folder / "out/classification.json"));
+    [[nodiscard]] nlohmann::json classify(const std::vector<std::string>& more) const {
+        std::vector<std::string> words = {"classify", queries,   "--templates", templates, "--labels",
+                                          "folder",   "--level", "4",           "--steps", "1",
+                                          "--out",    out,       "--quiet"};
+        words.insert(words.end(), more.begin(), more.end());
+        EXPECT_EQ(run_program(words), 0);
+        auto json = nlohmann::json::parse(tests::file_content(folder / "out/classification.json"));
+        forget_times(json);
+        return json;
+    }
+};
+
+TEST(Classify, BatchOfOccludedBarsFromTheCommandLine) {
+    const OccludedBars bars;
+    const auto json = bars.classify({"--filmstrips", "1", "--pictures", "2"});
     EXPECT_EQ(json["queries"].size(), 6U);
     EXPECT_EQ(json["labelled"], 6);
     EXPECT_GE(json["accuracy"].get<double>(), 0.99);
@@ -200,11 +225,44 @@ TEST(Classify, BatchOfOccludedLettersFromTheCommandLine) {
     EXPECT_EQ(json["queries"][0]["templates"].size(), 6U);
     EXPECT_TRUE(json["calibration"]["novelty_limit"].is_null());
     EXPECT_THAT(json["remarks"].dump(), testing::HasSubstr("at least 19 templates are needed"));
-    const std::string page = tests::file_content(folder / "out/classification.html");
+    const std::string page = tests::file_content(bars.folder / "out/classification.html");
     EXPECT_THAT(page, testing::HasSubstr("Confusion matrix"));
     EXPECT_THAT(page, testing::HasSubstr("viscous dissipation rate density"));  // what colours of the paths say
     EXPECT_THAT(page, testing::HasSubstr("data:image/png;base64,"));
     EXPECT_THAT(page, testing::Not(testing::HasSubstr("http://")));
+}
+
+TEST(Classify, AnswersAreTheSameForAnyNumberOfThreads) {
+    const OccludedBars bars;
+    EXPECT_EQ(bars.classify({"--threads", "1", "--pictures", "0"}),
+              bars.classify({"--threads", "8", "--pictures", "0"}));
+}
+
+TEST(Classify, OptionsChooseWhatDistancesCountAndWhoStandsForAClass) {
+    const OccludedBars bars;
+    const auto with = [&](std::vector<std::string> words) {
+        words.insert(words.end(), {"--pictures", "0"});
+        return bars.classify(words);
+    };
+    const auto sum_of_nearest = [](const nlohmann::json& json) {
+        double sum = 0.0;
+        for (const auto& query : json["queries"]) sum += query["templates"][0]["distance"].get<double>();
+        return sum;
+    };
+    const auto visible = with({"--correction", "visible"}), none = with({"--correction", "none"});
+    EXPECT_EQ(with({}), visible) << "the default";
+    EXPECT_LT(sum_of_nearest(none), 0.5 * sum_of_nearest(visible));  // what is hidden costs nothing
+    for (const char* correction : {"cut", "filled"}) {
+        const auto json = with({"--correction", correction});
+        EXPECT_EQ(json["right"], 6) << correction;
+        EXPECT_NE(sum_of_nearest(json), sum_of_nearest(visible)) << correction;
+    }
+    const auto unmasked = with({"--mask", "none"});
+    EXPECT_EQ(unmasked["queries"][0]["mask"], "none");
+    EXPECT_GT(sum_of_nearest(unmasked), 2 * sum_of_nearest(visible));  // as if nothing were hidden
+    const auto medoids = with({"--templates-per-class", "1"});
+    EXPECT_EQ(medoids["template_count"], 2);
+    for (const auto& query : medoids["queries"]) EXPECT_EQ(query["templates"].size(), 2U);
 }
 
 TEST(Classify, EveryTemplateByTheOthers) {
