@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "analysis/matrix_csv.h"
 #include "datasets/drawing.h"
@@ -52,6 +53,36 @@ TEST(Study, TheSameCommandAgainComputesNothing) {
     EXPECT_EQ(second["pairs_computed"], 0);
     EXPECT_EQ(second["pairs_from_store"], 6);
     EXPECT_EQ(read_file(folder / "disks.study/distances.csv"), bytes);
+}
+
+TEST(Study, PathsAreDrawnOfTheseOrThesePairs) {
+    const TemporaryFolder folder;
+    make_disks(folder / "disks", 5);
+    const fs::path study = folder / "disks.study";
+    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet"})).code, 0);
+    const auto drawn = [&](const char* choice) {
+        const Outcome done = morphodesic({"report", study.string(), "--paths", choice, "--quiet"});
+        EXPECT_EQ(done.code, 0) << choice << done.err;
+        std::set<std::pair<std::size_t, std::size_t>> pairs;
+        const json report = json::parse(read_file(study / "report.json"));
+        for (const json& path : report["paths"]) {
+            pairs.emplace(std::minmax(path["a"].get<std::size_t>(), path["b"].get<std::size_t>()));
+        }
+        return pairs;
+    };
+    EXPECT_EQ(drawn("none").size(), 0U);
+    EXPECT_EQ(drawn("3").size(), 3U);
+    EXPECT_EQ(drawn("all").size(), 10U);
+    const auto distances = analysis::read_distance_csv(study / "distances.csv");
+    std::set<std::pair<std::size_t, std::size_t>> nearest;
+    for (std::size_t i = 0; i < 5; ++i) {
+        std::size_t best = i == 0 ? 1 : 0;
+        for (std::size_t j = 0; j < 5; ++j) {
+            if (j != i && distances(i, j) < distances(i, best)) best = j;
+        }
+        nearest.emplace(std::minmax(i, best));
+    }
+    EXPECT_EQ(drawn("nearest"), nearest);
 }
 
 TEST(Study, TheTableWithoutEstimatesIsThereAlsoWhereThereAreNone) {
