@@ -51,6 +51,7 @@ struct BlockPlaces {
     HWY_INLINE BlockPlaces(D d, Index first_nodes, int width, const std::ptrdiff_t (&stride)[Dim],
                            std::ptrdiff_t field_begin, std::ptrdiff_t field_end)
         : first(first_nodes) {
+        if (hn::Lanes(d) < static_cast<std::size_t>(width)) return;  // rows of a run would reach over two vectors
         const hn::RebindToSigned<D> di;
         HWY_ALIGN hn::TFromD<decltype(di)> start_of_lane[hn::MaxLanes(di)];
         const auto starts = hn::Sub(first, hn::Iota(di, 0));
@@ -169,10 +170,12 @@ struct NodeSums {
     /// before, and other lanes come one after the other.
     HWY_INLINE void scatter(D d, T<D>* out, const BlockPlaces<Dim, D>& places,
                             const std::ptrdiff_t (&stride)[Dim]) const {
-        for (int r = 0; r < places.runs; ++r) {
-            MORPHODESIC_UNROLL
-            for (int row = 0; row < nodes; row += Width) {
-                add_row(d, row, places.lanes[r], out + places.start[r] + node_offset<Dim, Width>(row, stride));
+        if constexpr (hn::MaxLanes(d) >= Width) {
+            for (int r = 0; r < places.runs; ++r) {
+                MORPHODESIC_UNROLL
+                for (int row = 0; row < nodes; row += Width) {
+                    add_row(d, row, places.lanes[r], out + places.start[r] + node_offset<Dim, Width>(row, stride));
+                }
             }
         }
         if (places.runs == 0) scatter_lanes(d, out, places, stride);

@@ -132,7 +132,13 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
     static thread_local std::vector<T<D>> rows;
     rows.resize(static_cast<std::size_t>(outputs * corners) * padded);
 
-    // B = D phi - I at quadrature point q by the coefficients of w.
+    // At quadrature point q: a multilinear function by its constant and its other coefficients, and B = D phi - I by
+    // those of w.
+    const auto value_at = [&](int q, const V<D>& constant, const V<D>(&v)[corners]) HWY_ATTR {
+        V<D> sum = constant;
+        for (int m = 1; m < corners; ++m) sum = hn::MulAdd(hn::Set(d, table.value[q][m]), v[m], sum);
+        return sum;
+    };
     const auto gradient_at = [&](int q, const V<D>(&w)[Dim][corners], V<D>(&b)[Dim][Dim]) HWY_ATTR {
         for (int a = 0; a < Dim; ++a) {
             for (int j = 0; j < Dim; ++j) {
@@ -185,9 +191,7 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                 DeformedPoints<Dim, points, D> there(d, range, own);
                 for (int q = 0; q < points; ++q) {
                     for (int a = 0; a < Dim; ++a) {
-                        V<D> x = hn::Add(w[a][0], hn::Set(d, table.coordinate[q][a]));
-                        for (int m = 1; m < corners; ++m) x = hn::MulAdd(hn::Set(d, table.value[q][m]), w[a][m], x);
-                        there.set(d, q, a, x);
+                        there.set(d, q, a, value_at(q, hn::Add(w[a][0], hn::Set(d, table.coordinate[q][a])), w[a]));
                     }
                 }
                 there.read(d, f.u_next);
@@ -196,22 +200,11 @@ StepSums StepEnergyRows(D d, int row_begin, int row_end, const StepFields<Dim, T
                 // loops are short a processor looks far enough ahead to work on the next points meanwhile.
                 V<D> stiffness[points], delta_here[points], match[points], force[points];
                 for (int q = 0; q < points; ++q) {
-                    V<D> u_here = u[0];
-                    for (int m = 1; m < corners; ++m) {
-                        u_here = hn::MulAdd(hn::Set(d, table.value[q][m]), u[m], u_here);
-                    }
                     V<D> delta_there;
-                    const V<D> inside = smooth_heaviside(d, u_here, inverse_eps, delta_here[q]);
+                    const V<D> inside = smooth_heaviside(d, value_at(q, u[0], u), inverse_eps, delta_here[q]);
                     const V<D> residual = hn::Sub(smooth_heaviside(d, there.u[q], inverse_eps, delta_there), inside);
                     stiffness[q] = hn::MulAdd(stiffness_range, inside, least_stiffness);
-                    V<D> masked_residual = residual;
-                    if (f.mask) {
-                        V<D> known = chi[0];
-                        for (int m = 1; m < corners; ++m) {
-                            known = hn::MulAdd(hn::Set(d, table.value[q][m]), chi[m], known);
-                        }
-                        masked_residual = hn::Mul(known, residual);
-                    }
+                    const V<D> masked_residual = f.mask ? hn::Mul(value_at(q, chi[0], chi), residual) : residual;
                     sum_mismatch = hn::MulAdd(masked_residual, residual, sum_mismatch);
                     match[q] = hn::Mul(match_factor, masked_residual);
                     force[q] = hn::Mul(match[q], hn::Mul(delta_there, delta_factor));

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "geodesic/kernels/step_kernel.h"
+#include "tests/support/instruction_sets.h"
 
 namespace morphodesic::kernels {
 namespace {
@@ -90,8 +92,11 @@ TEST(StepKernel, ReadsAndWritesNothingBeyondTheRowsItIsGiven) {
         }
     };
     for (const double shift : {-15.0, -7.5, 0.0, 0.5, 4.0, 19.0}) {
-        check(shift, 1.0);
-        check(shift, 0.0);  // all cells of a row move alike, up to the ends of the last one
+        tests::for_each_instruction_set([&](const std::string& name) {
+            SCOPED_TRACE(name);
+            check(shift, 1.0);
+            check(shift, 0.0);  // all cells of a row move alike, up to the ends of the last one
+        });
     }
 }
 
@@ -142,7 +147,7 @@ struct MovedBall {
 };
 
 template <int Dim>
-void check_derivative_by_the_next_shape(const char* what, const auto& displacement) {
+void check_derivative_by_the_next_shape(const std::string& what, const auto& displacement) {
     MovedBall<Dim, double> step(displacement);
     const std::vector<double>& derivative = step.derivative();
     double largest = 0.0;
@@ -161,20 +166,22 @@ void check_derivative_by_the_next_shape(const char* what, const auto& displaceme
             slope += derivative[i] * d;
             size += std::abs(derivative[i] * d);
         }
-        EXPECT_NEAR(slope, (step.mismatch(more) - step.mismatch(less)) / (2 * change), 1e-6 * size) << what << Dim;
+        EXPECT_NEAR(slope, (step.mismatch(more) - step.mismatch(less)) / (2 * change), 1e-6 * size) << what;
     }
     MovedBall<Dim, float> single(displacement);
     const std::vector<float>& in_single = single.derivative();
     for (std::size_t i = 0; i < derivative.size(); ++i) {
-        EXPECT_NEAR(in_single[i], derivative[i], 1e-4 * largest) << what << Dim << " at " << i;
+        EXPECT_NEAR(in_single[i], derivative[i], 1e-4 * largest) << what << " at " << i;
     }
 }
 
 TEST(StepKernel, DerivativeByTheNextShapeIsRightHoweverNeighbouringCellsMove) {
     // Lanes whose deformed cells follow each other in memory are read and written together, others one by one.
-    const auto check = [](const char* what, const auto& displacement) {
-        check_derivative_by_the_next_shape<2>(what, displacement);
-        check_derivative_by_the_next_shape<3>(what, displacement);
+    const auto check = [](const std::string& what, const auto& displacement) {
+        tests::for_each_instruction_set([&](const std::string& name) {
+            check_derivative_by_the_next_shape<2>(what + ", " + name + ", 2D", displacement);
+            check_derivative_by_the_next_shape<3>(what + ", " + name + ", 3D", displacement);
+        });
     };
     check("all alike", [](int axis, const int(&)[3]) { return axis == 0 ? 1.3 : -2.6; });
     check("stretched", [](int axis, const int(&x)[3]) { return axis == 0 ? 0.09 * (x[0] - 12.0) : 0.2; });
