@@ -5,6 +5,7 @@
 #include "geodesic/discrete_geodesic.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/solver/volume_constraint.h"
+#include "tests/support/instruction_sets.h"
 #include "tests/support/path_problems.h"
 #include "tests/support/thread_counts.h"
 
@@ -199,6 +200,24 @@ TYPED_TEST(DiscreteGeodesicIn, BitsDoNotDependOnThreads) {
         EXPECT_EQ(one.deformations[k].displacement.components, eight.deformations[k].displacement.components);
         EXPECT_EQ(one.shapes[k].values, eight.shapes[k].values);
     }
+}
+
+TYPED_TEST(DiscreteGeodesicIn, IsTheSameOnEveryInstructionSet) {
+    // Bits differ with the number of lanes, and with them where the minimiser stops.
+    constexpr int dim = TypeParam::value, level = dim == 2 ? 5 : 4;
+    const auto box = two_boxes<dim>(level).first;
+    const auto ball = tests::ball<dim>(level, 0.22);
+    auto options = options_for(level, 2);
+    options.align = "rigid";
+    options.tolerance = 1e-5;
+    const auto best = compute_discrete_geodesic<dim>(box, ball, options);
+    ASSERT_EQ(best.termination, Termination::converged);
+    tests::for_each_instruction_set([&](const std::string& name) {
+        const auto r = compute_discrete_geodesic<dim>(box, ball, options);
+        EXPECT_EQ(r.termination, Termination::converged) << name;
+        EXPECT_NEAR(r.total_energy, best.total_energy, 0.01 * best.total_energy) << name;
+        EXPECT_NEAR(r.path_length, best.path_length, 0.01 * best.path_length) << name;
+    });
 }
 
 TEST(DiscreteGeodesic, MovedCopyIsNear) {
