@@ -27,13 +27,15 @@ void refuse_infinite_numbers(CLI::App& app) {
     for (CLI::App* sub : app.get_subcommands(nullptr)) refuse_infinite_numbers(*sub);
 }
 
-/// A flag for what is true or false, else an option.
-void add_field(CLI::App& command, const std::string& name, auto& field, const char* help, const char* group) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, bool>) {
-        command.add_flag(name, field, help)->group(group);
-    } else {
-        command.add_option(name, field, help)->capture_default_str()->group(group);
-    }
+/// Adds fields of a struct, by its for_each_field, to a group of options: flags for what is true or false.
+auto adder(CLI::App& command, const char* group) {
+    return [&command, group](const std::string& name, auto& field, const char* help) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(field)>, bool>) {
+            command.add_flag("--" + name, field, help)->group(group);
+        } else {
+            command.add_option("--" + name, field, help)->capture_default_str()->group(group);
+        }
+    };
 }
 }  // namespace
 
@@ -137,9 +139,7 @@ void CommandLine::add_common(CLI::App* command, CommonOptions& common, bool comp
 void CommandLine::add_settings(CLI::App* command, RunSettings& settings, bool with_import) {
     command->add_option("--preset", preset, "where the defaults come from: fast, standard or fine")
         ->check(CLI::IsMember({"fast", "standard", "fine"}));
-    const auto add = [&](const char* name, auto& field, const char* help) {
-        add_field(*command, std::string("--") + name, field, help, "Geodesics");
-    };
+    const auto add = adder(*command, "Geodesics");
     if (with_import) {
         RunSettings::for_each_field(settings, add);
         for (const char* name :
@@ -167,11 +167,7 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
     }
     add_common(sub, study.common, true);
     if (from_files || computes) add_settings(sub, study.settings, from_files);
-    if (computes || from_files) {
-        PairSelection::for_each_field(study.settings.pairs, [&](const char* field, auto& value, const char* text) {
-            add_field(*sub, std::string("--") + field, value, text, "Pairs");
-        });
-    }
+    if (from_files || computes) PairSelection::for_each_field(study.settings.pairs, adder(*sub, "Pairs"));
     if (computes) {
         sub->add_option("--memory", study.memory,
                         "memory the run may take, such as 4G or 800M: limits the pairs computed at once; default: 80 % "
@@ -182,17 +178,16 @@ void CommandLine::add_study_command(const std::string& name, const std::string& 
     if (name == "run" || name == "report") {
         sub->add_option("--paths", study.paths,
                         "paths that are drawn: how many (the most telling ones), nearest (every shape with its nearest "
-                        "neighbour), "
-                        "all or none")
+                        "neighbour), all or none")
             ->capture_default_str();
     }
     if (name == "analyze" || name == "report" || name == "run") {
+        const auto add = adder(*sub, "Analysis");
         analysis::AnalysisOptions::for_each_field(study.analysis,
-                                                  [&](const char* field, auto& value, const char* text) {
-                                                      const std::string flag = std::string("--") + field;
-                                                      if (sub->get_option_no_throw(flag) != nullptr)
-                                                          return;  // a word that means something else to `run`
-                                                      add_field(*sub, flag, value, text, "Analysis");
+                                                  [&](const std::string& field, auto& value, const char* text) {
+                                                      if (sub->get_option_no_throw("--" + field) != nullptr)
+                                                          return;  // means something else to `run`
+                                                      add(field, value, text);
                                                   });
     }
     if (name == "verify") {
@@ -298,11 +293,11 @@ void CommandLine::add_classify() {
         ->capture_default_str();
     add_common(sub, classify.common, true);
     add_settings(sub, classify.settings, true);
-    ClassifyOptions::for_each_field(classify.classify, [&](const char* field, auto& value, const char* text) {
-        std::string spellings = std::string("--") + field;
-        if (std::is_same_v<std::decay_t<decltype(value)>, bool>) spellings += std::string(",!--no-") + field;
-        if (spellings == "--neighbours") spellings += ",--neighbors";
-        add_field(*sub, spellings, value, text, "Classification");
+    const auto add = adder(*sub, "Classification");
+    ClassifyOptions::for_each_field(classify.classify, [&](std::string name, auto& value, const char* text) {
+        if (std::is_same_v<std::decay_t<decltype(value)>, bool>) name += ",!--no-" + name;
+        if (name == "neighbours") name += ",--neighbors";
+        add(name, value, text);
     });
     sub->callback([this] { action = [this] { return pipeline::classify(classify); }; });
 }
