@@ -163,6 +163,38 @@ MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* con
     flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
 }
 
+template <int Dim>
+inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const double* __restrict u,
+                                                     const std::ptrdiff_t* stride, double limit,
+                                                     unsigned char* __restrict flag) {
+    int any = 0;
+    for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        double least = u[i], most = u[i];
+#pragma GCC unroll 8
+        for (int c = 1; c < (1 << Dim); ++c) {
+            std::ptrdiff_t at = i;
+#pragma GCC unroll 3
+            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+            least = u[at] < least ? u[at] : least;
+            most = u[at] > most ? u[at] : most;
+        }
+        const int steep =
+            static_cast<int>(least < 0.0) & static_cast<int>(most > 0.0) & static_cast<int>(most - least > limit);
+        flag[i] = static_cast<unsigned char>(steep);
+        any |= steep;
+    }
+    return any;
+}
+
+MORPHODESIC_CLONES int flag_steep_2(std::ptrdiff_t cells, const double* u, const std::ptrdiff_t* stride, double limit,
+                                    unsigned char* flag) {
+    return flag_steep<2>(cells, u, stride, limit, flag);
+}
+MORPHODESIC_CLONES int flag_steep_3(std::ptrdiff_t cells, const double* u, const std::ptrdiff_t* stride, double limit,
+                                    unsigned char* flag) {
+    return flag_steep<3>(cells, u, stride, limit, flag);
+}
+
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
@@ -229,6 +261,16 @@ template <>
 void squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const float* const (&d)[3],
                        const std::ptrdiff_t (&stride)[3], double inverse_h, double keep, unsigned char* flag) {
     squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
+}
+template <>
+bool steep_cells<2>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[2], double limit,
+                    unsigned char* flag) {
+    return flag_steep_2(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
+}
+template <>
+bool steep_cells<3>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[3], double limit,
+                    unsigned char* flag) {
+    return flag_steep_3(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
 }
 
 }  // namespace morphodesic::kernels

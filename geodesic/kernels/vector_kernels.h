@@ -42,4 +42,12 @@ template <int Dim>
 void squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
                     const std::ptrdiff_t (&stride)[Dim], double inverse_h, double keep, unsigned char* flag);
 
+/// Along one row of cells: flag[i] = 1 where the values of u at the corners of cell i have both signs and differ by
+/// more than `limit`; 0 elsewhere. @return whether there is any
+/// @param u       from the first node of the row on
+/// @param stride  distance of neighbours on each axis
+template <int Dim>
+bool steep_cells(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[Dim], double limit,
+                 unsigned char* flag);
+
 }  // namespace morphodesic::kernels

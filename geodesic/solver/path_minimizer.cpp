@@ -12,6 +12,7 @@
 #include "geodesic/kernels/vector_kernels.h"
 #include "geodesic/solver/lbfgs_history.h"
 #include "geodesic/solver/path_preconditioner.h"
+#include "geodesic/solver/slope_limit.h"
 #include "geodesic/solver/volume_constraint.h"
 
 namespace morphodesic {
@@ -67,7 +68,9 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
     std::vector<float> gradient(x.size()), next_gradient(x.size()), direction(x.size());
     std::optional<VolumeConstraint<Dim>> constraint;
     if (energy.options().preserve_volume && energy.layout().time_steps > 1) constraint.emplace(energy);
+    SlopeLimit<Dim> slope_limit(energy.layout());
     const auto evaluate = [&](std::vector<double>& at, std::vector<float>& g) {
+        slope_limit.apply(at);
         if (constraint && !constraint->correct(at)) {
             PathTerms vanished;
             vanished.total = std::numeric_limits<double>::infinity();
@@ -75,6 +78,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             return vanished;
         }
         auto found = energy.evaluate_single(at, g);
+        if (std::isfinite(found.total)) slope_limit.hold(at, g);
         if (constraint && std::isfinite(found.total)) constraint->project_gradient(at, g);
         return found;
     };
