@@ -21,7 +21,7 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
-constexpr int lessons = 2;           // full steps tried in an iteration: the history learns from those that fail
+constexpr int lessons = 1;           // full steps that may fail in an iteration: the history learns from them
 constexpr int patience = 2;          // more steps tried, each shorter, before the history is given up
 constexpr int refresh = 15;          // iterations between two updates of the preconditioner
 constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step

@@ -125,7 +125,7 @@ void TransportCorrection<Dim>::build(const PathEnergy<Dim>& energy, std::span<co
     const int steps = layout_.time_steps;
     trajectories_.finish();
     for (std::size_t k = 0; k < inverse_u.size(); ++k) {
-        // PathPreconditioner takes u_k for twice as stiff as the mismatch makes it. Far from the contour nothing
+        // PathPreconditioner takes u_k for stiffer than the mismatch makes it. Far from the contour nothing
         // resists a change of u_k, and single nodes would become positive unseen by any quadrature point.
         const double* u = energy.level_set(x, static_cast<int>(k + 1));
         for (std::size_t i = 0; i < layout_.nodes(); ++i) {

@@ -239,7 +239,7 @@ TEST(Usage, ConfigurationFilesStandBelowTheCommandLineAndAbovePresets) {
     EXPECT_EQ(settings["level"], "4");
     EXPECT_EQ(settings["lambda"], "1.5");
     EXPECT_EQ(settings["align"], "none");
-    EXPECT_EQ(settings["tolerance"], "0.0005");  // of the preset
+    EXPECT_EQ(settings["tolerance"], "0.00025");  // of the preset
 }
 
 TEST(Usage, AConfigurationFileServesAlsoTheKindsOfDatasets) {
