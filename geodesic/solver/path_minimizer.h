@@ -20,7 +20,8 @@ struct MinimizerSummary {
 };
 
 /// Minimises (14) over all deformations and all shapes between at once: L-BFGS whose initial Hessian is
-/// PathPreconditioner, Armijo line search. Steps to folded deformations are rejected.
+/// PathPreconditioner, Armijo line search. Steps to folded deformations are rejected, contours of the shapes between are
+/// kept from becoming steep (SlopeLimit).
 /// @param x  path, PathLayout order: start on entry, minimiser on return
 /// @throws std::invalid_argument if the energy of the start is infinite, though its folds were repaired
 template <int Dim>

@@ -15,11 +15,26 @@ template <int Dim>
 SlopeLimit<Dim>::SlopeLimit(const PathLayout<Dim>& layout)
     : layout_(layout), scaled_(static_cast<std::size_t>(layout.time_steps)) {}
 
+/// Lists both ends of the edges and diagonals of the cell at `node` that cross the contour too steeply.
+template <int Dim>
+void SlopeLimit<Dim>::list_steep(const double* u, std::size_t node, double limit, std::vector<Scaled>& scaled) const {
+    const auto corners = q1::corner_offsets(layout_.grid);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+        for (std::size_t d = 0; d < c; ++d) {
+            const std::size_t one = node + corners[c], other = node + corners[d];
+            const double most = limit * std::sqrt(1.0 * std::popcount(c ^ d));
+            const double change = std::abs(u[one] - u[other]);
+            if (!(u[one] * u[other] < 0.0 && change > most)) continue;
+            scaled.push_back({one, most / change});
+            scaled.push_back({other, most / change});
+        }
+    }
+}
+
 template <int Dim>
 void SlopeLimit<Dim>::apply(std::span<double> x) {
     const auto& grid = layout_.grid;
     const auto cells = static_cast<std::size_t>(grid.cells(0)), nodes = cells + 1;
-    const auto corners = q1::corner_offsets(grid);
     const double limit = steepest * grid.spacing();
     std::ptrdiff_t stride[Dim];
     for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
@@ -33,19 +48,8 @@ void SlopeLimit<Dim>::apply(std::span<double> x) {
             bool has_cells = true;
             for (std::size_t a = 1; a < Dim; ++a) has_cells = has_cells && low[a] < grid.cells(static_cast<int>(a));
             if (!has_cells || !kernels::steep_cells<Dim>(cells, u + row, stride, limit, steep.data())) continue;
-            for (std::size_t i = row; i < row + cells; ++i) {
-                if (!steep[i - row]) continue;
-                for (std::size_t c = 0; c < corners.size(); ++c) {
-                    for (std::size_t d = 0; d < c; ++d) {
-                        const std::size_t one = i + corners[c], other = i + corners[d];
-                        if (!(u[one] * u[other] < 0.0)) continue;
-                        const double most = limit * std::sqrt(1.0 * std::popcount(c ^ d));
-                        const double change = std::abs(u[one] - u[other]);
-                        if (!(change > most)) continue;
-                        scaled.push_back({one, most / change});
-                        scaled.push_back({other, most / change});
-                    }
-                }
+            for (std::size_t i = 0; i < cells; ++i) {
+                if (steep[i]) list_steep(u, row + i, limit, scaled);
             }
         }
         // A node has the factor of the steepest edge it is at.

@@ -31,6 +31,7 @@ private:
         std::size_t node;
         double factor;
     };
+    void list_steep(const double* u, std::size_t node, double limit, std::vector<Scaled>& scaled) const;
 
     PathLayout<Dim> layout_;
     std::vector<std::vector<Scaled>> scaled_;  // by the last apply(), k = 0..K-1, by node
