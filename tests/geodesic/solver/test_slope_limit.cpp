@@ -6,6 +6,7 @@
 
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/solver/cascade.h"
+#include "geodesic/solver/path_minimizer.h"
 #include "geodesic/solver/slope_limit.h"
 #include "tests/support/path_problems.h"
 
@@ -109,6 +110,26 @@ TEST(SlopeLimit, KeepsTheContourOnAnEdgeAndHoldsWhatWouldMakeItSteep) {
     EXPECT_EQ(g[inside], 0.0F);
     EXPECT_EQ(g[outside], -1.0F);
     EXPECT_EQ(g[elsewhere], 1.0F);
+}
+
+/// Two legs that are closed by a bar below: where the last crack vanishes, a mismatch would be hidden in steep
+/// contours.
+TEST(SlopeLimit, APathThatClosesACrackHasNoSteepContour) {
+    const auto united = [](LevelSet<2> a, const LevelSet<2>& b) {
+        for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] = std::max(a.values[i], b.values[i]);
+        return a;
+    };
+    const auto legs = united(tests::turned_box<2>(6, {0.06, 0.25}, {0.37, 0.5}, 0.2),
+                             tests::turned_box<2>(6, {0.06, 0.25}, {0.63, 0.5}, -0.2));
+    const auto first = united(legs, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.7}, 0.0));
+    const auto last = united(first, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.3}, 0.0));
+    PathEnergy<2> energy(first, last, 2, GeodesicOptions{});
+    auto path = blended_path(first, last, 2);
+    MinimizerOptions options;
+    options.tolerance = 1e-4;
+    ASSERT_EQ(minimize_path<2>(energy, path.x, options).termination, Termination::converged);
+    EXPECT_LE(steepest_crossing(first.grid, path.x.data() + path.layout.level_set(1)),
+              SlopeLimit<2>::steepest * (1 + 1e-12));
 }
 
 }  // namespace
