@@ -401,8 +401,9 @@ private:
     ///
     /// Long steps rather leave a part d of the way to the mismatch, eta c d^2. Where the sum of both is least,
     /// E = l (l + d), so d = E / l - l (too much where the mismatch saturates; E without the area term). All of it
-    /// counts where one step or a soft mismatch allows it, else as much as the shape grows, whose material of before
-    /// has to fill what is new; the rest is told by the doubling. Of a shape that is partly hidden growth is not known.
+    /// counts where one step or a soft mismatch allows it, else as much as the sizes of the shapes differ: the larger
+    /// one has material that the smaller one has to fill or to leave. The rest is told by the doubling. Of a shape that
+    /// is partly hidden sizes are not known. The drift within the rim is a part of d, so the larger of the two counts.
     void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
         const double length = result.path_length;
         const double factor = options_.rim_width / (wide_rim() - options_.rim_width);
@@ -412,16 +413,17 @@ private:
             rest = std::sqrt(std::max(0.0, square)) - length;
         }
         result.extrapolated_length = length + rest;
-        result.error = 1.75 * std::abs(rest) + (share_in_time(result.levels) + options_.tolerance) * length;
+        const double drift = 1.75 * std::abs(rest), left = (share_in_time(result.levels) + options_.tolerance) * length;
+        result.error = drift + left;
         if (!(length > 0)) return;
         const auto volume = [](const LevelSet<Dim>& u) { return enclosed_volume(u.grid, u.values.data()); };
-        const double grown = 1.0 - volume(result.shapes.front()) / volume(result.shapes.back());
+        const auto [smaller, larger] = std::minmax({volume(result.shapes.front()), volume(result.shapes.back())});
         const int steps = options_.time_steps;
         const bool all = steps == 1 || options_.eta(steps) < firm_weight * steps;
-        const double share = all ? 1.0 : mask_.values.empty() ? std::max(0.0, grown) : 0.0;
+        const double share = all ? 1.0 : mask_.values.empty() ? 1.0 - smaller / larger : 0.0;
         double energy = result.path_energy;
         for (const double mismatch : result.mismatch_energy) energy += options_.eta(steps) * mismatch;
-        result.error = std::max(result.error, share * (energy / length - length));
+        result.error = std::max(drift, share * (energy / length - length)) + left;
     }
 
     const LevelSet<Dim>& a_;

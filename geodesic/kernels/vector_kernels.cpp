@@ -195,6 +195,48 @@ MORPHODESIC_CLONES int flag_steep_3(std::ptrdiff_t cells, const double* u, const
     return flag_steep<3>(cells, u, stride, limit, flag);
 }
 
+template <int Dim, class T>
+inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, const T* const (&w)[Dim],
+                                                         const std::ptrdiff_t (&stride)[Dim], T inverse_h, T limit,
+                                                         unsigned char* __restrict flag) {
+    int any = 0;
+    for (std::ptrdiff_t i = 0; i < cells; ++i) {
+        T longest = 0;  // squares, in units of h
+#pragma GCC unroll 8
+        for (int c = 0; c < (1 << Dim); ++c) {
+            std::ptrdiff_t at = i;
+#pragma GCC unroll 3
+            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+#pragma GCC unroll 3
+            for (int j = 0; j < Dim; ++j) {
+                if ((c >> j) & 1) continue;
+                T square = 0;
+#pragma GCC unroll 3
+                for (int a = 0; a < Dim; ++a) {
+                    const T e = (a == j ? T(1) : T(0)) + (w[a][at + stride[j]] - w[a][at]) * inverse_h;
+                    square += e * e;
+                }
+                longest = square > longest ? square : longest;
+            }
+        }
+        const int stretched = static_cast<int>(longest > limit * limit);
+        flag[i] = static_cast<unsigned char>(stretched);
+        any |= stretched;
+    }
+    return any;
+}
+
+#define MORPHODESIC_FLAG_STRETCHED(Name, Dim, T)                                                                   \
+    MORPHODESIC_CLONES int Name(std::ptrdiff_t cells, const T* const(&w)[Dim], const std::ptrdiff_t(&stride)[Dim], \
+                                T inverse_h, T limit, unsigned char* flag) {                                       \
+        return flag_stretched<Dim, T>(cells, w, stride, inverse_h, limit, flag);                                   \
+    }
+MORPHODESIC_FLAG_STRETCHED(flag_stretched_2, 2, double)
+MORPHODESIC_FLAG_STRETCHED(flag_stretched_3, 3, double)
+MORPHODESIC_FLAG_STRETCHED(flag_stretched_2_single, 2, float)
+MORPHODESIC_FLAG_STRETCHED(flag_stretched_3_single, 3, float)
+#undef MORPHODESIC_FLAG_STRETCHED
+
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
@@ -271,6 +313,28 @@ template <>
 bool steep_cells<3>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[3], double limit,
                     unsigned char* flag) {
     return flag_steep_3(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
+}
+template <>
+bool stretched_cells<2, double>(std::size_t cells, const double* const (&w)[2], const std::ptrdiff_t (&stride)[2],
+                                double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched_2(static_cast<std::ptrdiff_t>(cells), w, stride, inverse_h, limit, flag) != 0;
+}
+template <>
+bool stretched_cells<2, float>(std::size_t cells, const float* const (&w)[2], const std::ptrdiff_t (&stride)[2],
+                               double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched_2_single(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<float>(inverse_h),
+                                   static_cast<float>(limit), flag) != 0;
+}
+template <>
+bool stretched_cells<3, double>(std::size_t cells, const double* const (&w)[3], const std::ptrdiff_t (&stride)[3],
+                                double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched_3(static_cast<std::ptrdiff_t>(cells), w, stride, inverse_h, limit, flag) != 0;
+}
+template <>
+bool stretched_cells<3, float>(std::size_t cells, const float* const (&w)[3], const std::ptrdiff_t (&stride)[3],
+                               double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched_3_single(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<float>(inverse_h),
+                                   static_cast<float>(limit), flag) != 0;
 }
 
 }  // namespace morphodesic::kernels

@@ -50,4 +50,12 @@ template <int Dim>
 bool steep_cells(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[Dim], double limit,
                  unsigned char* flag);
 
+/// Along one row of cells: flag[i] = 1 where an edge of cell i is longer than `limit` times what it was when the
+/// displacement w moves its ends; 0 elsewhere. @return whether there is any
+/// @param w       one pointer per component, to the first node of the row
+/// @param stride  distance of neighbours on each axis
+template <int Dim, class T>
+bool stretched_cells(std::size_t cells, const T* const (&w)[Dim], const std::ptrdiff_t (&stride)[Dim], double inverse_h,
+                     double limit, unsigned char* flag);
+
 }  // namespace morphodesic::kernels

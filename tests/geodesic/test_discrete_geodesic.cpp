@@ -3,7 +3,9 @@
 #include <limits>
 
 #include "geodesic/discrete_geodesic.h"
+#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
+#include "geodesic/grid/q1_element.h"
 #include "geodesic/solver/volume_constraint.h"
 #include "tests/support/instruction_sets.h"
 #include "tests/support/path_problems.h"
@@ -76,11 +78,17 @@ TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
                                                             tests::ball<2>(6, grows ? r1 : r0), options_for(6, steps));
                 ASSERT_EQ(r.termination, Termination::converged);
                 EXPECT_LE(std::abs(r.path_length - disk_length(r0, r1)), r.error) << r0 << " " << r1 << " K " << steps;
-                EXPECT_LT(r.error, (steps == 1 ? 1.3 : 0.6) * r.path_length) << "a bar that says nothing";
+                EXPECT_LT(r.error, (steps == 1 ? 1.3 : 0.65) * r.path_length) << "a bar that says nothing";
             }
         }
     }
-    for (const auto& [r0, r1, steps] : {std::tuple(0.05, 0.3, 4), {0.04, 0.3, 8}, {0.04, 0.35, 16}}) {
+    // A dot that grows and one that is left: part of the way a few cells wide.
+    for (const auto& [r0, r1, steps] : {std::tuple(0.05, 0.3, 4),
+                                        {0.04, 0.3, 8},
+                                        {0.04, 0.35, 8},
+                                        {0.03, 0.35, 16},
+                                        {0.3, 0.04, 4},
+                                        {0.35, 0.03, 16}}) {
         const auto r =
             compute_discrete_geodesic<2>(tests::ball<2>(6, r0), tests::ball<2>(6, r1), options_for(6, steps));
         ASSERT_EQ(r.termination, Termination::converged);
@@ -103,6 +111,46 @@ TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
             compute_discrete_geodesic<3>(tests::ball<3>(5, 0.12), tests::ball<3>(5, 0.24), options_for(5, steps));
         ASSERT_EQ(r.termination, Termination::converged);
         EXPECT_LE(std::abs(r.path_length - ball_length(0.12, 0.24)), r.error) << steps;
+    }
+}
+
+/// The mismatch energy (12) of a path, eta included, by many points in each cell.
+double mismatch_by_many_points(const GeodesicResult<2>& path) {
+    const auto& grid = path.shapes[0].grid;
+    const auto& options = path.options;
+    const double h = grid.spacing(), eps = options.rim_width * h;
+    constexpr int points = 12;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < path.deformations.size(); ++k) {
+        const auto& w = path.deformations[k].displacement.components;
+        q1::for_each_cell(grid, [&](std::size_t node) {
+            const auto low = grid.position(grid.node(node));
+            for (int p = 0; p < points * points; ++p) {
+                const Point<2> x{low[0] + (p % points + 0.5) / points * h, low[1] + (p / points + 0.5) / points * h};
+                const auto moved = q1::values<2, 2>(grid, {w[0].data(), w[1].data()}, x);
+                const double there =
+                    q1::value(grid, path.shapes[k + 1].values.data(), {x[0] + moved[0], x[1] + moved[1]});
+                const double here = q1::value(grid, path.shapes[k].values.data(), x);
+                const double d = smooth_heaviside(there, eps) - smooth_heaviside(here, eps);
+                sum += d * d;
+            }
+        });
+    }
+    return options.eta(options.time_steps) * sum * h * h / (points * points);
+}
+
+/// Where a shape has to come from next to nothing, a minimiser would rather hide what it adds between the points at
+/// which the energy is taken: it stretched cells of the background ten times, so that half of the mismatch was not
+/// seen.
+TEST(DiscreteGeodesic, NoMismatchIsHiddenInStretchedCells) {
+    for (const auto& [r0, r1, steps] : {std::tuple(0.03, 0.35, 4), {0.04, 0.35, 8}}) {
+        const auto r =
+            compute_discrete_geodesic<2>(tests::ball<2>(6, r0), tests::ball<2>(6, r1), options_for(6, steps));
+        double reported = 0.0;
+        for (const double mismatch : r.mismatch_energy) reported += mismatch;
+        reported *= r.options.eta(steps);
+        EXPECT_GT(reported, 0.2) << "no case of what is tested";
+        EXPECT_NEAR(reported, mismatch_by_many_points(r), 0.02 * reported) << r0;
     }
 }
 
