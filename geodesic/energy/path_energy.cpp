@@ -113,7 +113,7 @@ void PathEnergy<Dim>::evaluate_slab(int k, Slab& slab, bool shares_rows, const F
                                        barrier_weight * last_step,
                                        quadrature()};
     slab.sums = kernels::step_energy_rows<Dim, T>(slab.begin, slab.end, fields, weights, out);
-    slab.sums.mismatch += stretched_mismatch<Dim, T>(slab.begin, slab.end, fields, weights, out);
+    slab.sums.mismatch += stretched_mismatch<Dim, T>(layout_.grid, slab.begin, slab.end, fields, weights, out);
 }
 
 /// Terms from the sums of the slabs; total is infinite where a deformation folds: where its det is below `least`.

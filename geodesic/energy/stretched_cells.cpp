@@ -1,11 +1,13 @@
 #include "geodesic/energy/stretched_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
+#include <utility>
 
 #include "geodesic/energy/heaviside.h"
+#include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/kernels/vector_kernels.h"
 
@@ -30,7 +32,7 @@ template <int Dim>
 struct Cell {
     static constexpr int corners = 1 << Dim;
     std::size_t node;  // its first one
-    int low[Dim];
+    typename DyadicGrid<Dim>::Index low;
     double w[Dim][corners], u[corners], chi[corners];
 };
 
@@ -39,45 +41,30 @@ class StretchedMismatch {
 public:
     static constexpr int corners = 1 << Dim;
 
-    StretchedMismatch(const kernels::StepFields<Dim, T>& fields, const kernels::StepWeights& weights,
-                      const kernels::StepGradients<Dim, T>& gradients)
-        : f_(fields), s_(weights), g_(gradients), per_unit_(std::ldexp(1.0, weights.level)) {
-        std::ptrdiff_t distance = 1;
-        for (int a = 0; a < Dim; ++a) {
-            stride_[a] = distance;
-            distance *= f_.cells[a] + 1;
-        }
-        for (int c = 0; c < corners; ++c) {
-            corner_[c] = 0;
-            for (int a = 0; a < Dim; ++a) corner_[c] += static_cast<std::size_t>(((c >> a) & 1) * stride_[a]);
-        }
-        if (g_.displacement[0] && g_.u_next) {
-            next_gradient_ = g_.u_next - f_.u_next_first_row * stride_[Dim - 1];
-        }
-    }
+    StretchedMismatch(const DyadicGrid<Dim>& grid, const kernels::StepFields<Dim, T>& fields,
+                      const kernels::StepWeights& weights, const kernels::StepGradients<Dim, T>& gradients)
+        : grid_(grid),
+          f_(fields),
+          s_(weights),
+          g_(gradients),
+          with_gradient_(gradients.displacement[0] != nullptr),
+          volume_(std::pow(grid.spacing(), Dim)),
+          scale_(weights.mismatch * volume_),
+          corner_(q1::corner_offsets(grid)) {}
 
-    double rows(int begin, int end) {
-        static thread_local std::vector<unsigned char> flag;
-        flag.resize(static_cast<std::size_t>(f_.cells[0]));
+    double rows(int begin, int end) const {
+        std::ptrdiff_t stride[Dim];
+        for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid_.stride(a));
         double sum = 0.0;
-        const int middle_rows = Dim == 3 ? f_.cells[1] : 1;
-        for (int row = begin; row < end; ++row) {
-            for (int middle = 0; middle < middle_rows; ++middle) {
-                const std::ptrdiff_t first = row * stride_[Dim - 1] + (Dim == 3 ? middle * stride_[1] : 0);
+        for_marked_cells(
+            grid_, begin, end,
+            [&](std::size_t row, unsigned char* flags) {
                 const T* w[Dim];
-                for (int a = 0; a < Dim; ++a) w[a] = f_.displacement[a] + first;
-                if (!kernels::stretched_cells<Dim, T>(flag.size(), w, stride_, per_unit_, stretch_onset, flag.data()))
-                    continue;
-                for (int i = 0; i < f_.cells[0]; ++i) {
-                    if (!flag[static_cast<std::size_t>(i)]) continue;
-                    Cell<Dim> cell = load(static_cast<std::size_t>(first + i));
-                    cell.low[0] = i;
-                    if constexpr (Dim == 3) cell.low[1] = middle;
-                    cell.low[Dim - 1] = row;
-                    sum += difference(cell);
-                }
-            }
-        }
+                for (int a = 0; a < Dim; ++a) w[a] = f_.displacement[a] + row;
+                return kernels::stretched_cells<Dim, T>(static_cast<std::size_t>(grid_.cells(0)), w, stride,
+                                                        grid_.cells_per_unit(), stretch_onset, flags);
+            },
+            [&](std::size_t cell) { sum += difference(load(cell)); });
         return sum;
     }
 
@@ -85,55 +72,80 @@ private:
     Cell<Dim> load(std::size_t node) const {
         Cell<Dim> cell{};
         cell.node = node;
+        cell.low = grid_.node(node);
         for (int c = 0; c < corners; ++c) {
-            const std::size_t at = node + corner_[c];
-            for (int a = 0; a < Dim; ++a) cell.w[a][c] = static_cast<double>(f_.displacement[a][at]) * per_unit_;
+            const std::size_t at = node + corner_[static_cast<std::size_t>(c)];
+            for (int a = 0; a < Dim; ++a)
+                cell.w[a][c] = static_cast<double>(f_.displacement[a][at]) * grid_.cells_per_unit();
             cell.u[c] = static_cast<double>(f_.u_previous[at]);
             cell.chi[c] = f_.mask ? static_cast<double>(f_.mask[at]) : 1.0;
         }
         return cell;
     }
 
-    /// An edge of a cell after the step, in units of h.
-    struct Edge {
-        int axis, corner;
-        double square, vector[Dim];
+    /// A cell's longest edge after the step, in units of h, and the longest one along each axis; squares.
+    struct Stretch {
+        double longest = 0.0, along[Dim] = {};
+        int axis = 0, corner = 0;  // the longest edge leaves this corner along this axis
+        double edge[Dim] = {};     // as a vector
+        bool sensible = true;
     };
-    static Edge edge(const Cell<Dim>& cell, int axis, int corner) {
-        Edge e{axis, corner, 0.0, {}};
-        for (int a = 0; a < Dim; ++a) {
-            e.vector[a] = (a == axis ? 1.0 : 0.0) + cell.w[a][corner | (1 << axis)] - cell.w[a][corner];
-            e.square += e.vector[a] * e.vector[a];
+    static Stretch stretch_of(const Cell<Dim>& cell) {
+        Stretch s;
+        for (int axis = 0; axis < Dim; ++axis) {
+            for (int c = 0; c < corners; ++c) {
+                if ((c >> axis) & 1) continue;
+                double edge[Dim], square = 0.0;
+                for (int a = 0; a < Dim; ++a) {
+                    edge[a] = (a == axis ? 1.0 : 0.0) + cell.w[a][c | (1 << axis)] - cell.w[a][c];
+                    square += edge[a] * edge[a];
+                }
+                s.along[axis] = std::max(s.along[axis], square);
+                s.sensible = s.sensible && square < most_stretch * most_stretch;  // no NaN
+                if (!(square > s.longest)) continue;
+                s.longest = square;
+                s.axis = axis;
+                s.corner = c;
+                std::copy(edge, edge + Dim, s.edge);
+            }
         }
-        return e;
+        return s;
     }
 
-    /// Whether H_eps(u_k o phi) or H_eps(u_{k-1}) may vary in the cell by so much that points matter.
-    bool may_vary(const Cell<Dim>& cell) const {
-        int low[Dim], high[Dim];
+    /// Least and largest value of u_k at the nodes around the deformed cell: between them it is in the cell.
+    std::pair<double, double> range_there(const Cell<Dim>& cell) const {
+        typename DyadicGrid<Dim>::Index low{}, high{};
         for (int a = 0; a < Dim; ++a) {
+            const auto at = static_cast<std::size_t>(a);
             double least = 1e300, most = -1e300;
             for (int c = 0; c < corners; ++c) {
-                const double at = cell.low[a] + ((c >> a) & 1) + cell.w[a][c];
-                least = std::min(least, at);
-                most = std::max(most, at);
+                const double y = cell.low[at] + ((c >> a) & 1) + cell.w[a][c];
+                least = std::min(least, y);
+                most = std::max(most, y);
             }
-            low[a] = static_cast<int>(std::clamp(std::floor(least), 0.0, 1.0 * f_.cells[a]));
-            high[a] = static_cast<int>(std::clamp(std::ceil(most), 0.0, 1.0 * f_.cells[a]));
+            const auto [first, last] = range(a);
+            low[at] = static_cast<int>(std::clamp(std::floor(least), 1.0 * first, 1.0 * last));
+            high[at] = static_cast<int>(std::clamp(std::ceil(most), 1.0 * first, 1.0 * last));
         }
-        low[Dim - 1] = std::max(low[Dim - 1], f_.u_next_first_row);
-        high[Dim - 1] = std::min(high[Dim - 1], f_.u_next_last_row);
         double least = 1e300, most = -1e300;
-        const int low_row = Dim == 3 ? low[1] : 0, high_row = Dim == 3 ? high[1] : 0;
-        for (int z = low[Dim - 1]; z <= high[Dim - 1]; ++z) {
-            for (int y = low_row; y <= high_row; ++y) {
-                const T* u = f_.u_next + z * stride_[Dim - 1] + (Dim == 3 ? y * stride_[1] : 0);
-                for (int x = low[0]; x <= high[0]; ++x) {
-                    least = std::min(least, static_cast<double>(u[x]));
-                    most = std::max(most, static_cast<double>(u[x]));
-                }
-            }
+        for (auto i = low; i[Dim - 1] <= high[Dim - 1];) {
+            const double u = static_cast<double>(f_.u_next[grid_.index(i)]);
+            least = std::min(least, u);
+            most = std::max(most, u);
+            for (std::size_t a = 0; a < Dim && ++i[a] > high[a] && a + 1 < Dim; ++a) i[a] = low[a];
         }
+        return {least, most};
+    }
+
+    /// First and last node of u_k along an axis that points may lie between.
+    std::pair<int, int> range(int axis) const {
+        if (axis == Dim - 1) return {f_.u_next_first_row, f_.u_next_last_row};
+        return {0, grid_.cells(axis)};
+    }
+
+    /// Whether H_eps(u_k o phi) - H_eps(u_{k-1}) may vary in the cell by so much that it matters where points are.
+    bool may_vary(const Cell<Dim>& cell) const {
+        const auto [least, most] = range_there(cell);
         const auto [least_here, most_here] = std::minmax_element(cell.u, cell.u + corners);
         const double far = far_away * s_.eps;
         if (std::min(least, *least_here) > far || std::max(most, *most_here) < -far) return false;
@@ -146,127 +158,111 @@ private:
         double w[Dim][corners] = {}, u[corners] = {};
     };
 
-    /// Adds factor chi d^2 at a point of the cell to the sum, d = H_eps(u_k o phi) - H_eps(u_{k-1}), and its gradients.
+    /// factor chi d^2 at a point of the cell, d = H_eps(u_k o phi) - H_eps(u_{k-1}); adds its gradients.
     double at_point(const Cell<Dim>& cell, const Point<Dim>& x, double factor, Gradient& gradient) const {
         double shape[corners], u = 0.0, chi = 0.0;
         Point<Dim> y;
-        for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] = cell.low[a] + x[static_cast<std::size_t>(a)];
+        for (std::size_t a = 0; a < Dim; ++a) y[a] = cell.low[a] + x[a];
         for (int c = 0; c < corners; ++c) {
             shape[c] = q1::shape<Dim>(c, x);
             u += shape[c] * cell.u[c];
             chi += shape[c] * cell.chi[c];
             for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] += shape[c] * cell.w[a][c];
         }
-        std::ptrdiff_t node = 0;
-        for (int a = 0; a < Dim; ++a) {
-            auto& at = y[static_cast<std::size_t>(a)];
-            const int first = a == Dim - 1 ? f_.u_next_first_row : 0;
-            const int last = a == Dim - 1 ? f_.u_next_last_row : f_.cells[a];
-            at = std::clamp(at, 1.0 * first, 1.0 * last);
-            const int low = std::min(static_cast<int>(at), last - 1);
-            at -= low;
-            node += low * stride_[a];
+        typename DyadicGrid<Dim>::Index low;
+        for (std::size_t a = 0; a < Dim; ++a) {
+            const auto [first, last] = range(static_cast<int>(a));
+            y[a] = std::clamp(y[a], 1.0 * first, 1.0 * last);
+            low[a] = std::min(static_cast<int>(y[a]), last - 1);
+            y[a] -= low[a];
         }
+        const std::size_t node = grid_.index(low);
         double there = 0.0, slope[Dim] = {}, share[corners];
         for (int c = 0; c < corners; ++c) {
-            const double v = static_cast<double>(f_.u_next[node + static_cast<std::ptrdiff_t>(corner_[c])]);
+            const double v = static_cast<double>(f_.u_next[node + corner_[static_cast<std::size_t>(c)]]);
             share[c] = q1::shape<Dim>(c, y);
             there += share[c] * v;
             for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, y, a) * v;
         }
         const double d = smooth_heaviside(there, s_.eps) - smooth_heaviside(u, s_.eps);
-        if (g_.displacement[0]) {
-            const double force = 2.0 * factor * chi * d * smooth_delta(there, s_.eps);
-            const double back = 2.0 * factor * chi * d * smooth_delta(u, s_.eps);
-            for (int c = 0; c < corners; ++c) {
-                for (int a = 0; a < Dim; ++a) gradient.w[a][c] += force * slope[a] * shape[c];
-                gradient.u[c] -= back * shape[c];
-                if (next_gradient_) {
-                    next_gradient_[node + static_cast<std::ptrdiff_t>(corner_[c])] +=
-                        static_cast<T>(scale_ * force * share[c]);
-                }
-            }
+        if (!with_gradient_) return factor * chi * d * d;
+        const double force = 2.0 * factor * chi * d * smooth_delta(there, s_.eps);
+        const double back = 2.0 * factor * chi * d * smooth_delta(u, s_.eps);
+        for (int c = 0; c < corners; ++c) {
+            for (int a = 0; a < Dim; ++a) gradient.w[a][c] += force * slope[a] * shape[c];
+            gradient.u[c] -= back * shape[c];
+            if (!g_.u_next) continue;
+            const auto row = static_cast<std::size_t>(f_.u_next_first_row) * grid_.stride(Dim - 1);
+            g_.u_next[node + corner_[static_cast<std::size_t>(c)] - row] += static_cast<T>(scale_ * force * share[c]);
         }
         return factor * chi * d * d;
     }
 
-    double difference(const Cell<Dim>& cell) {
-        Edge longest{};
-        double stretch[Dim] = {};
-        for (int axis = 0; axis < Dim; ++axis) {
-            for (int c = 0; c < corners; ++c) {
-                if ((c >> axis) & 1) continue;
-                const Edge e = edge(cell, axis, c);
-                stretch[axis] = std::max(stretch[axis], e.square);
-                if (e.square > longest.square) longest = e;
-            }
-        }
-        const double from = stretch_onset * stretch_onset, to = stretch_full * stretch_full;
-        const double t = std::clamp((longest.square - from) / (to - from), 0.0, 1.0);
+    double difference(const Cell<Dim>& cell) const {
+        const Stretch stretch = stretch_of(cell);
+        constexpr double from = stretch_onset * stretch_onset, to = stretch_full * stretch_full;
+        const double t = std::clamp((stretch.longest - from) / (to - from), 0.0, 1.0);
         const double weight = t * t * (3.0 - 2.0 * t), weight_slope = 6.0 * t * (1.0 - t) / (to - from);
-        if (!(longest.square < most_stretch * most_stretch) || weight == 0.0 || !may_vary(cell)) return 0.0;
+        if (!stretch.sensible || weight == 0.0 || !may_vary(cell)) return 0.0;
 
-        double volume = 1.0;
-        for (int a = 0; a < Dim; ++a) volume /= per_unit_;
-        scale_ = s_.mismatch * volume;
+        int count[Dim], points = 1;
+        for (int a = 0; a < Dim; ++a) {
+            const double wanted = std::ceil(points_per_length * std::sqrt(stretch.along[a]));
+            count[a] = std::clamp(static_cast<int>(wanted), least_points, most_points);
+            points *= count[a];
+        }
         Gradient gradient;
         double sum = 0.0;
-        int count[Dim], total = 1;
-        for (int a = 0; a < Dim; ++a) {
-            count[a] = std::clamp(static_cast<int>(std::ceil(points_per_length * std::sqrt(stretch[a]))), least_points,
-                                  most_points);
-            total *= count[a];
-        }
-        for (int p = 0; p < total; ++p) {
+        for (int p = 0; p < points; ++p) {
             Point<Dim> x;
-            for (int a = 0, rest = p; a < Dim; ++a) {
+            for (int a = 0, rest = p; a < Dim; rest /= count[a++]) {
                 x[static_cast<std::size_t>(a)] = (rest % count[a] + 0.5) / count[a];
-                rest /= count[a];
             }
-            sum += at_point(cell, x, weight / total, gradient);
+            sum += at_point(cell, x, weight / points, gradient);
         }
         const auto rule = kernels::quadrature_points<Dim>(s_.quadrature);
         for (const auto& x : rule) sum += at_point(cell, x, -weight / static_cast<double>(rule.size()), gradient);
-        if (!g_.displacement[0]) return volume * sum;
+        if (!with_gradient_) return volume_ * sum;
         for (int a = 0; a < Dim; ++a) {
-            const double pull = sum / weight * weight_slope * 2.0 * longest.vector[a];
-            gradient.w[a][longest.corner] -= pull;
-            gradient.w[a][longest.corner | (1 << longest.axis)] += pull;
+            const double pull = sum / weight * weight_slope * 2.0 * stretch.edge[a];
+            gradient.w[a][stretch.corner] -= pull;
+            gradient.w[a][stretch.corner | (1 << stretch.axis)] += pull;
         }
         for (int c = 0; c < corners; ++c) {
-            const std::size_t at = cell.node + corner_[c];
+            const std::size_t at = cell.node + corner_[static_cast<std::size_t>(c)];
             for (int a = 0; a < Dim; ++a) {
-                g_.displacement[a][at] += static_cast<T>(scale_ * per_unit_ * gradient.w[a][c]);
+                g_.displacement[a][at] += static_cast<T>(scale_ * grid_.cells_per_unit() * gradient.w[a][c]);
             }
             if (g_.u_previous) g_.u_previous[at] += static_cast<T>(scale_ * gradient.u[c]);
         }
-        return volume * sum;
+        return volume_ * sum;
     }
 
+    const DyadicGrid<Dim>& grid_;
     const kernels::StepFields<Dim, T>& f_;
     const kernels::StepWeights& s_;
     const kernels::StepGradients<Dim, T>& g_;
-    double per_unit_, scale_ = 0.0;
-    std::ptrdiff_t stride_[Dim];
-    std::size_t corner_[corners];
-    T* next_gradient_ = nullptr;
+    bool with_gradient_;
+    double volume_, scale_;  // of a cell; that times eta
+    std::array<std::size_t, corners> corner_;
 };
 
 }  // namespace
 
 template <int Dim, class T>
-double stretched_mismatch(int row_begin, int row_end, const kernels::StepFields<Dim, T>& fields,
-                          const kernels::StepWeights& weights, const kernels::StepGradients<Dim, T>& gradients) {
-    return StretchedMismatch<Dim, T>(fields, weights, gradients).rows(row_begin, row_end);
+double stretched_mismatch(const DyadicGrid<Dim>& grid, int row_begin, int row_end,
+                          const kernels::StepFields<Dim, T>& fields, const kernels::StepWeights& weights,
+                          const kernels::StepGradients<Dim, T>& gradients) {
+    return StretchedMismatch<Dim, T>(grid, fields, weights, gradients).rows(row_begin, row_end);
 }
 
-template double stretched_mismatch<2, double>(int, int, const kernels::StepFields<2, double>&,
-                                              const kernels::StepWeights&, const kernels::StepGradients<2, double>&);
-template double stretched_mismatch<3, double>(int, int, const kernels::StepFields<3, double>&,
-                                              const kernels::StepWeights&, const kernels::StepGradients<3, double>&);
-template double stretched_mismatch<2, float>(int, int, const kernels::StepFields<2, float>&,
-                                             const kernels::StepWeights&, const kernels::StepGradients<2, float>&);
-template double stretched_mismatch<3, float>(int, int, const kernels::StepFields<3, float>&,
-                                             const kernels::StepWeights&, const kernels::StepGradients<3, float>&);
+#define MORPHODESIC_INSTANTIATE(Dim, T)                                                                              \
+    template double stretched_mismatch<Dim, T>(const DyadicGrid<Dim>&, int, int, const kernels::StepFields<Dim, T>&, \
+                                               const kernels::StepWeights&, const kernels::StepGradients<Dim, T>&);
+MORPHODESIC_INSTANTIATE(2, double)
+MORPHODESIC_INSTANTIATE(3, double)
+MORPHODESIC_INSTANTIATE(2, float)
+MORPHODESIC_INSTANTIATE(3, float)
+#undef MORPHODESIC_INSTANTIATE
 
 }  // namespace morphodesic

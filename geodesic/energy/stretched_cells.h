@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geodesic/grid/dyadic_grid.h"
 #include "geodesic/kernels/step_kernel.h"
 
 namespace morphodesic {
@@ -15,7 +16,8 @@ namespace morphodesic {
 /// Adds the gradients of weights.mismatch times the difference to `gradients`, as kernels::step_energy_rows does.
 /// @return the difference, to be added to StepSums::mismatch
 template <int Dim, class T>
-double stretched_mismatch(int row_begin, int row_end, const kernels::StepFields<Dim, T>& fields,
-                          const kernels::StepWeights& weights, const kernels::StepGradients<Dim, T>& gradients);
+double stretched_mismatch(const DyadicGrid<Dim>& grid, int row_begin, int row_end,
+                          const kernels::StepFields<Dim, T>& fields, const kernels::StepWeights& weights,
+                          const kernels::StepGradients<Dim, T>& gradients);
 
 }  // namespace morphodesic

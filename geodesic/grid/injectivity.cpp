@@ -291,7 +291,7 @@ template <int Dim>
 int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displacement,
                  const std::array<float*, Dim>& change, double keep) {
     const double inverse_h = grid.cells_per_unit();
-    const auto cells = static_cast<std::size_t>(grid.cells(0)), nodes = cells + 1;
+    const auto cells = static_cast<std::size_t>(grid.cells(0));
     std::ptrdiff_t stride[Dim];
     for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
     const auto squeezed = [&](std::size_t node, std::size_t count, unsigned char* flag) {
@@ -301,19 +301,13 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
             w[a] = displacement[a] + node;
             d[a] = change[a] + node;
         }
-        kernels::squeezed_cells<Dim>(count, w, d, stride, inverse_h, keep, flag);
+        return kernels::squeezed_cells<Dim>(count, w, d, stride, inverse_h, keep, flag);
     };
 
     std::vector<std::size_t> bad;
-    std::vector<unsigned char> flag(cells);
-    for (std::size_t row = 0; row < grid.node_count() / nodes; ++row) {
-        const auto low = grid.node(row * nodes);
-        if (!has_cell(grid, low)) continue;
-        squeezed(row * nodes, cells, flag.data());
-        for (std::size_t i = 0; i < cells; ++i) {
-            if (flag[i]) bad.push_back(row * nodes + i);
-        }
-    }
+    for_marked_cells(
+        grid, [&](std::size_t row, unsigned char* flags) { return squeezed(row, cells, flags); },
+        [&](std::size_t cell) { bad.push_back(cell); });
     const int count = static_cast<int>(bad.size());
     constexpr int rounds = 12;
     std::vector<std::size_t> around;
@@ -335,8 +329,8 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
         }
         bad.clear();
         for (const std::size_t cell : around) {
-            squeezed(cell, 1, flag.data());
-            if (flag[0]) bad.push_back(cell);
+            unsigned char flag = 0;
+            if (squeezed(cell, 1, &flag)) bad.push_back(cell);
         }
     }
     return count;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "geodesic/grid/dyadic_grid.h"
 
@@ -25,6 +26,34 @@ void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
             for (std::size_t i = row * n; i < (row + 1) * n; ++i) body(i);
         });
     });
+}
+
+/// visit(first node) for cells that are marked, in the order of the grid, if their index on the last axis lies in
+/// [begin, end). mark(node, flags) marks those of the row that starts at a node in flags, [cells of a row], and says
+/// whether there is any.
+template <int Dim, class Mark, class Visitor>
+void for_marked_cells(const DyadicGrid<Dim>& grid, int begin, int end, const Mark& mark, const Visitor& visit) {
+    const auto cells = static_cast<std::size_t>(grid.cells(0));
+    static thread_local std::vector<unsigned char> flags;  // loops run often, and neither body starts another one
+    flags.resize(cells);
+    typename DyadicGrid<Dim>::Index low{};
+    for (low[Dim - 1] = begin; low[Dim - 1] < end; ++low[Dim - 1]) {
+        const int middle_rows = Dim == 3 ? grid.cells(1) : 1;
+        for (int middle = 0; middle < middle_rows; ++middle) {
+            if constexpr (Dim == 3) low[1] = middle;
+            const std::size_t row = grid.index(low);
+            if (!mark(row, flags.data())) continue;
+            for (std::size_t i = 0; i < cells; ++i) {
+                if (flags[i]) visit(row + i);
+            }
+        }
+    }
+}
+
+/// The same for all cells.
+template <int Dim, class Mark, class Visitor>
+void for_marked_cells(const DyadicGrid<Dim>& grid, const Mark& mark, const Visitor& visit) {
+    for_marked_cells(grid, 0, grid.cells(Dim - 1), mark, visit);
 }
 
 /// Zero at the nodes on the boundary.

@@ -134,33 +134,36 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
 }
 
 template <int Dim>
-inline __attribute__((always_inline)) void flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
-                                                         const float* const (&d)[Dim],
-                                                         const std::ptrdiff_t (&stride)[Dim], double inverse_h,
-                                                         double keep, unsigned char* __restrict flag) {
+inline __attribute__((always_inline)) int flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
+                                                        const float* const (&d)[Dim],
+                                                        const std::ptrdiff_t (&stride)[Dim], double inverse_h,
+                                                        double keep, unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         flag[i] = least_corner_det<Dim>(w, &d, stride, i, inverse_h) >= keep ? 0 : 1;
         any |= flag[i];
     }
-    if (!any) return;
+    if (!any) return 0;
+    any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         if (!flag[i]) continue;
         const double before = least_corner_det<Dim>(w, nullptr, stride, i, inverse_h);
         const double after = least_corner_det<Dim>(w, &d, stride, i, inverse_h);
         flag[i] = after >= keep * (before < 1.0 ? before : 1.0) ? 0 : 1;
+        any |= flag[i];
     }
+    return any;
 }
 
-MORPHODESIC_CLONES void squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
-                                         const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
-                                         unsigned char* flag) {
-    flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
+MORPHODESIC_CLONES int squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
+                                        const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
+                                        unsigned char* flag) {
+    return flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
 }
-MORPHODESIC_CLONES void squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
-                                         const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
-                                         unsigned char* flag) {
-    flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
+MORPHODESIC_CLONES int squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
+                                        const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
+                                        unsigned char* flag) {
+    return flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
 }
 
 template <int Dim>
@@ -295,14 +298,14 @@ double differences(std::span<HalfFloat> s, std::span<const double> x, std::span<
 }
 
 template <>
-void squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const float* const (&d)[2],
+bool squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const float* const (&d)[2],
                        const std::ptrdiff_t (&stride)[2], double inverse_h, double keep, unsigned char* flag) {
-    squeezed_cells_2(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
+    return squeezed_cells_2(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
 }
 template <>
-void squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const float* const (&d)[3],
+bool squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const float* const (&d)[3],
                        const std::ptrdiff_t (&stride)[3], double inverse_h, double keep, unsigned char* flag) {
-    squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag);
+    return squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
 }
 template <>
 bool steep_cells<2>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[2], double limit,

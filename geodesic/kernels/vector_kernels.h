@@ -35,11 +35,11 @@ void step(std::span<double> out, std::span<const double> x, double factor, std::
                                  std::span<HalfFloat> y, std::span<const float> g, std::span<const float> g0);
 
 /// Along one row of cells: flag[i] = 1 where the least det D phi at the corners of cell i falls below `keep` times what
-/// it is, or times 1 where it is more, when the displacement w changes by d; 0 elsewhere.
+/// it is, or times 1 where it is more, when the displacement w changes by d; 0 elsewhere. @return whether there is any
 /// @param w, d    one pointer per component, to the first node of the row
 /// @param stride  distance of neighbours on each axis
 template <int Dim>
-void squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
+bool squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
                     const std::ptrdiff_t (&stride)[Dim], double inverse_h, double keep, unsigned char* flag);
 
 /// Along one row of cells: flag[i] = 1 where the values of u at the corners of cell i have both signs and differ by

@@ -34,7 +34,7 @@ void SlopeLimit<Dim>::list_steep(const double* u, std::size_t node, double limit
 template <int Dim>
 void SlopeLimit<Dim>::apply(std::span<double> x) {
     const auto& grid = layout_.grid;
-    const auto cells = static_cast<std::size_t>(grid.cells(0)), nodes = cells + 1;
+    const auto cells = static_cast<std::size_t>(grid.cells(0));
     const double limit = steepest * grid.spacing();
     std::ptrdiff_t stride[Dim];
     for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
@@ -42,16 +42,12 @@ void SlopeLimit<Dim>::apply(std::span<double> x) {
         double* u = x.data() + layout_.level_set(k);
         auto& scaled = scaled_[static_cast<std::size_t>(k)];
         scaled.clear();
-        std::vector<unsigned char> steep(cells);
-        for (std::size_t row = 0; row < grid.node_count(); row += nodes) {
-            const auto low = grid.node(row);
-            bool has_cells = true;
-            for (std::size_t a = 1; a < Dim; ++a) has_cells = has_cells && low[a] < grid.cells(static_cast<int>(a));
-            if (!has_cells || !kernels::steep_cells<Dim>(cells, u + row, stride, limit, steep.data())) continue;
-            for (std::size_t i = 0; i < cells; ++i) {
-                if (steep[i]) list_steep(u, row + i, limit, scaled);
-            }
-        }
+        for_marked_cells(
+            grid,
+            [&](std::size_t row, unsigned char* flags) {
+                return kernels::steep_cells<Dim>(cells, u + row, stride, limit, flags);
+            },
+            [&](std::size_t cell) { list_steep(u, cell, limit, scaled); });
         // A node has the factor of the steepest edge it is at.
         std::sort(scaled.begin(), scaled.end(), [](const Scaled& a, const Scaled& b) {
             return std::tie(a.node, a.factor) < std::tie(b.node, b.factor);

@@ -228,7 +228,7 @@ double stretched_part(const PathEnergy<Dim>& energy, const std::vector<double>& 
         weights.level = layout.grid.level();
         weights.eps = energy.eps();
         weights.quadrature = energy.quadrature();
-        sum += stretched_mismatch<Dim, double>(0, layout.grid.cells(Dim - 1), fields, weights, {});
+        sum += stretched_mismatch<Dim, double>(layout.grid, 0, layout.grid.cells(Dim - 1), fields, weights, {});
     }
     return energy.eta() * sum;
 }

@@ -68,7 +68,7 @@ struct Step {
             g.u_previous = gradient.data() + Dim * nodes;
             g.u_next = g.u_previous + nodes;
         }
-        return stretched_mismatch<Dim, T>(begin, end, f, weights, g);
+        return stretched_mismatch<Dim, T>(grid, begin, end, f, weights, g);
     }
 
     double difference() const {
