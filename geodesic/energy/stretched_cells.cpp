@@ -4,21 +4,24 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
+#include "geodesic/kernels/heaviside_kernel.h"
 #include "geodesic/kernels/vector_kernels.h"
 
 namespace morphodesic {
 
 namespace {
-// Stretches from which on the difference counts, and from which on in whole. Later onsets, 2 to 3 or 4, and earlier
-// ones, 1.2 to 2, end in the same energies (measured).
-constexpr double stretch_onset = 1.5, stretch_full = 2.5;
-// Points of the dense quadrature for each length h of the deformed cell, along each axis.
-constexpr double points_per_length = 2.0;
+// Stretches from which on the difference counts, and from which on in whole. Later and earlier onsets, 1.2 to 2 and 2
+// to 4, end in the same energies (measured).
+constexpr double stretch_onset = 2.0, stretch_full = 3.0;
+// Points of the dense quadrature for each length eps of the deformed cell, along each axis.
+constexpr double points_per_eps = 1.0;
 constexpr int least_points = 3, most_points = 24;
 // The rule is good enough where variation of the integrand times its size is below this.
 constexpr double least_variation = 1e-2;
@@ -50,6 +53,7 @@ public:
           with_gradient_(gradients.displacement[0] != nullptr),
           volume_(std::pow(grid.spacing(), Dim)),
           scale_(weights.mismatch * volume_),
+          first_row_(static_cast<std::size_t>(fields.u_next_first_row) * grid.stride(Dim - 1)),
           corner_(q1::corner_offsets(grid)) {}
 
     double rows(int begin, int end) const {
@@ -158,17 +162,32 @@ private:
         double w[Dim][corners] = {}, u[corners] = {};
     };
 
-    /// factor chi d^2 at a point of the cell, d = H_eps(u_k o phi) - H_eps(u_{k-1}); adds its gradients.
-    double at_point(const Cell<Dim>& cell, const Point<Dim>& x, double factor, Gradient& gradient) const {
-        double shape[corners], u = 0.0, chi = 0.0;
-        Point<Dim> y;
+    /// A point of a cell, and the place in the grid it moves to.
+    struct Sample {
+        Point<Dim> here, there;  // within their cells
+        std::size_t node;        // first one of the cell it moves to
+        double factor;           // its share of the sum, chi included
+    };
+    /// Samples of a cell; u_{k-1} at all of them, then u_k, then the same of H_eps. Kept, since cells are many.
+    struct Samples {
+        std::vector<Sample> points;
+        std::vector<double> u, h;
+    };
+
+    /// @return u_{k-1} and u_k at a point
+    std::pair<double, double> add_sample(const Cell<Dim>& cell, const Point<Dim>& x, double factor,
+                                         Samples& samples) const {
+        Sample sample{x, {}, 0, factor};
+        double u = 0.0, chi = 0.0, there = 0.0;
+        auto& y = sample.there;
         for (std::size_t a = 0; a < Dim; ++a) y[a] = cell.low[a] + x[a];
         for (int c = 0; c < corners; ++c) {
-            shape[c] = q1::shape<Dim>(c, x);
-            u += shape[c] * cell.u[c];
-            chi += shape[c] * cell.chi[c];
-            for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] += shape[c] * cell.w[a][c];
+            const double share = q1::shape<Dim>(c, x);
+            u += share * cell.u[c];
+            chi += share * cell.chi[c];
+            for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] += share * cell.w[a][c];
         }
+        sample.factor *= chi;
         typename DyadicGrid<Dim>::Index low;
         for (std::size_t a = 0; a < Dim; ++a) {
             const auto [first, last] = range(static_cast<int>(a));
@@ -176,26 +195,61 @@ private:
             low[a] = std::min(static_cast<int>(y[a]), last - 1);
             y[a] -= low[a];
         }
-        const std::size_t node = grid_.index(low);
-        double there = 0.0, slope[Dim] = {}, share[corners];
+        sample.node = grid_.index(low);
+        for (int c = 0; c < corners; ++c) there += q1::shape<Dim>(c, y) * next(sample.node, c);
+        samples.points.push_back(sample);
+        return {u, there};
+    }
+    double next(std::size_t node, int corner) const {
+        return static_cast<double>(f_.u_next[node + corner_[static_cast<std::size_t>(corner)]]);
+    }
+
+    /// The gradient of factor d^2 at a sample, d = H_eps(u_k o phi) - H_eps(u_{k-1}).
+    void add_gradient(const Sample& sample, double d, double u, double there, Gradient& gradient) const {
+        const double force = 2.0 * sample.factor * d * smooth_delta(there, s_.eps);
+        const double back = 2.0 * sample.factor * d * smooth_delta(u, s_.eps);
+        double slope[Dim] = {};
         for (int c = 0; c < corners; ++c) {
-            const double v = static_cast<double>(f_.u_next[node + corner_[static_cast<std::size_t>(c)]]);
-            share[c] = q1::shape<Dim>(c, y);
-            there += share[c] * v;
-            for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, y, a) * v;
+            const double v = next(sample.node, c);
+            for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, sample.there, a) * v;
         }
-        const double d = smooth_heaviside(there, s_.eps) - smooth_heaviside(u, s_.eps);
-        if (!with_gradient_) return factor * chi * d * d;
-        const double force = 2.0 * factor * chi * d * smooth_delta(there, s_.eps);
-        const double back = 2.0 * factor * chi * d * smooth_delta(u, s_.eps);
         for (int c = 0; c < corners; ++c) {
-            for (int a = 0; a < Dim; ++a) gradient.w[a][c] += force * slope[a] * shape[c];
-            gradient.u[c] -= back * shape[c];
+            const double share = q1::shape<Dim>(c, sample.here);
+            for (int a = 0; a < Dim; ++a) gradient.w[a][c] += force * slope[a] * share;
+            gradient.u[c] -= back * share;
             if (!g_.u_next) continue;
-            const auto row = static_cast<std::size_t>(f_.u_next_first_row) * grid_.stride(Dim - 1);
-            g_.u_next[node + corner_[static_cast<std::size_t>(c)] - row] += static_cast<T>(scale_ * force * share[c]);
+            const std::size_t at = sample.node + corner_[static_cast<std::size_t>(c)] - first_row_;
+            g_.u_next[at] += static_cast<T>(scale_ * force * q1::shape<Dim>(c, sample.there));
         }
-        return factor * chi * d * d;
+    }
+
+    /// Fills the samples of a cell: a dense grid of points, by its stretch along each axis, less those of the rule.
+    void take_samples(const Cell<Dim>& cell, const Stretch& stretch, double weight, Samples& samples) const {
+        typename DyadicGrid<Dim>::Index count, i{};
+        int points = 1;
+        const double eps_per_cell = grid_.spacing() / s_.eps;
+        for (std::size_t a = 0; a < Dim; ++a) {
+            const double wanted = std::ceil(points_per_eps * eps_per_cell * std::sqrt(stretch.along[a]));
+            count[a] = std::clamp(static_cast<int>(wanted), least_points, most_points);
+            points *= count[a];
+        }
+        const auto rule = kernels::quadrature_points<Dim>(s_.quadrature);
+        const std::size_t total = static_cast<std::size_t>(points) + rule.size();
+        samples.points.clear();
+        samples.u.resize(2 * total);
+        samples.h.resize(2 * total);
+        const auto add = [&](const Point<Dim>& x, double factor) {
+            const std::size_t at = samples.points.size();
+            std::tie(samples.u[at], samples.u[total + at]) = add_sample(cell, x, factor, samples);
+        };
+        for (int p = 0; p < points; ++p) {
+            Point<Dim> x;
+            for (std::size_t a = 0; a < Dim; ++a) x[a] = (i[a] + 0.5) / count[a];
+            add(x, weight / points);
+            for (std::size_t a = 0; a < Dim && ++i[a] == count[a]; ++a) i[a] = 0;
+        }
+        for (const auto& x : rule) add(x, -weight / static_cast<double>(rule.size()));
+        kernels::smooth_heaviside(samples.u, s_.eps, samples.h);
     }
 
     double difference(const Cell<Dim>& cell) const {
@@ -205,23 +259,16 @@ private:
         const double weight = t * t * (3.0 - 2.0 * t), weight_slope = 6.0 * t * (1.0 - t) / (to - from);
         if (!stretch.sensible || weight == 0.0 || !may_vary(cell)) return 0.0;
 
-        int count[Dim], points = 1;
-        for (int a = 0; a < Dim; ++a) {
-            const double wanted = std::ceil(points_per_length * std::sqrt(stretch.along[a]));
-            count[a] = std::clamp(static_cast<int>(wanted), least_points, most_points);
-            points *= count[a];
-        }
+        static thread_local Samples samples;
+        take_samples(cell, stretch, weight, samples);
         Gradient gradient;
         double sum = 0.0;
-        for (int p = 0; p < points; ++p) {
-            Point<Dim> x;
-            for (int a = 0, rest = p; a < Dim; rest /= count[a++]) {
-                x[static_cast<std::size_t>(a)] = (rest % count[a] + 0.5) / count[a];
-            }
-            sum += at_point(cell, x, weight / points, gradient);
+        const std::size_t total = samples.points.size();
+        for (std::size_t p = 0; p < total; ++p) {
+            const double d = samples.h[total + p] - samples.h[p];
+            sum += samples.points[p].factor * d * d;
+            if (with_gradient_) add_gradient(samples.points[p], d, samples.u[p], samples.u[total + p], gradient);
         }
-        const auto rule = kernels::quadrature_points<Dim>(s_.quadrature);
-        for (const auto& x : rule) sum += at_point(cell, x, -weight / static_cast<double>(rule.size()), gradient);
         if (!with_gradient_) return volume_ * sum;
         for (int a = 0; a < Dim; ++a) {
             const double pull = sum / weight * weight_slope * 2.0 * stretch.edge[a];
@@ -244,6 +291,7 @@ private:
     const kernels::StepGradients<Dim, T>& g_;
     bool with_gradient_;
     double volume_, scale_;  // of a cell; that times eta
+    std::size_t first_row_;  // node at which the rows of u_k at hand start
     std::array<std::size_t, corners> corner_;
 };
 
