@@ -17,9 +17,14 @@
 namespace morphodesic {
 
 namespace {
-// Stretches from which on the difference counts, and from which on in whole. Later and earlier onsets, 1.2 to 2 and 2
-// to 4, end in the same energies (measured).
-constexpr double stretch_onset = 2.0, stretch_full = 3.0;
+// Stretches from which on the difference counts, and from which on in whole: more points see further. With others, 1.2
+// to 2 up to 2 to 4, paths end in the same energies in the mean (measured).
+struct Onset {
+    double from, to;
+};
+constexpr Onset onset_for(kernels::Quadrature rule) {
+    return rule == kernels::Quadrature::few ? Onset{1.5, 2.5} : Onset{2.0, 3.0};
+}
 // Points of the dense quadrature for each length eps of the deformed cell, along each axis.
 constexpr double points_per_eps = 1.0;
 constexpr int least_points = 3, most_points = 24;
@@ -50,6 +55,7 @@ public:
           f_(fields),
           s_(weights),
           g_(gradients),
+          onset_(onset_for(weights.quadrature)),
           with_gradient_(gradients.displacement[0] != nullptr),
           volume_(std::pow(grid.spacing(), Dim)),
           scale_(weights.mismatch * volume_),
@@ -66,7 +72,7 @@ public:
                 const T* w[Dim];
                 for (int a = 0; a < Dim; ++a) w[a] = f_.displacement[a] + row;
                 return kernels::stretched_cells<Dim, T>(static_cast<std::size_t>(grid_.cells(0)), w, stride,
-                                                        grid_.cells_per_unit(), stretch_onset, flags);
+                                                        grid_.cells_per_unit(), onset_.from, flags);
             },
             [&](std::size_t cell) { sum += difference(load(cell)); });
         return sum;
@@ -254,7 +260,7 @@ private:
 
     double difference(const Cell<Dim>& cell) const {
         const Stretch stretch = stretch_of(cell);
-        constexpr double from = stretch_onset * stretch_onset, to = stretch_full * stretch_full;
+        const double from = onset_.from * onset_.from, to = onset_.to * onset_.to;
         const double t = std::clamp((stretch.longest - from) / (to - from), 0.0, 1.0);
         const double weight = t * t * (3.0 - 2.0 * t), weight_slope = 6.0 * t * (1.0 - t) / (to - from);
         if (!stretch.sensible || weight == 0.0 || !may_vary(cell)) return 0.0;
@@ -289,6 +295,7 @@ private:
     const kernels::StepFields<Dim, T>& f_;
     const kernels::StepWeights& s_;
     const kernels::StepGradients<Dim, T>& g_;
+    Onset onset_;
     bool with_gradient_;
     double volume_, scale_;  // of a cell; that times eta
     std::size_t first_row_;  // node at which the rows of u_k at hand start

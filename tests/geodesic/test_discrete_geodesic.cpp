@@ -78,7 +78,7 @@ TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
                                                             tests::ball<2>(6, grows ? r1 : r0), options_for(6, steps));
                 ASSERT_EQ(r.termination, Termination::converged);
                 EXPECT_LE(std::abs(r.path_length - disk_length(r0, r1)), r.error) << r0 << " " << r1 << " K " << steps;
-                EXPECT_LT(r.error, (steps == 1 ? 1.3 : 0.65) * r.path_length) << "a bar that says nothing";
+                EXPECT_LT(r.error, (steps == 1 ? 1.35 : 0.65) * r.path_length) << "a bar that says nothing";
             }
         }
     }

@@ -164,6 +164,10 @@ TYPED_TEST(StretchedCellsIn, CellsThatKeepTheirSizeStayAsTheyAre) {
     std::vector<double> gradient(step.x.size());
     EXPECT_EQ(step.difference(step.x, gradient), 0.0);
     EXPECT_EQ(std::count(gradient.begin(), gradient.end(), 0.0), static_cast<std::ptrdiff_t>(gradient.size()));
+    // With fewer points cells count earlier.
+    auto few = step;
+    few.weights.quadrature = kernels::Quadrature::few;
+    EXPECT_NE(few.difference(), 0.0);
     // Nothing jumps where the difference begins to count.
     const Step<dim> more(2.04);
     EXPECT_LT(std::abs(more.difference()), 0.02 * std::abs(Step<dim>(3.5).difference()));
