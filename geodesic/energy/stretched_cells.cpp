@@ -63,8 +63,7 @@ public:
           corner_(q1::corner_offsets(grid)) {}
 
     double rows(int begin, int end) const {
-        std::ptrdiff_t stride[Dim];
-        for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid_.stride(a));
+        const auto stride = grid_.strides();
         double sum = 0.0;
         for_marked_cells(
             grid_, begin, end,

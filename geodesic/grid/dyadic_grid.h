@@ -56,6 +56,12 @@ public:
         for (int a = 0; a < axis; ++a) result *= static_cast<std::size_t>(nodes(a));
         return result;
     }
+    /// The same for all axes, signed as kernels take it.
+    [[nodiscard]] constexpr std::array<std::ptrdiff_t, Dim> strides() const {
+        std::array<std::ptrdiff_t, Dim> result{};
+        for (int a = 0; a < Dim; ++a) result[static_cast<std::size_t>(a)] = static_cast<std::ptrdiff_t>(stride(a));
+        return result;
+    }
     [[nodiscard]] constexpr std::size_t index(const Index& i) const {
         std::size_t result = static_cast<std::size_t>(i[Dim - 1]);
         for (int a = Dim - 2; a >= 0; --a) {

@@ -292,8 +292,7 @@ int limit_change(const DyadicGrid<Dim>& grid, const DisplacementView<Dim>& displ
                  const std::array<float*, Dim>& change, double keep) {
     const double inverse_h = grid.cells_per_unit();
     const auto cells = static_cast<std::size_t>(grid.cells(0));
-    std::ptrdiff_t stride[Dim];
-    for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
+    const auto stride = grid.strides();
     const auto squeezed = [&](std::size_t node, std::size_t count, unsigned char* flag) {
         const double* w[Dim];
         const float* d[Dim];

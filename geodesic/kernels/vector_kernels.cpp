@@ -98,15 +98,14 @@ void for_chunks(std::size_t size, const Body& body) {
 /// Least det of I + (edge differences) / h at the corners of the cell at node i, of a field given by its components.
 template <int Dim>
 inline __attribute__((always_inline)) double least_corner_det(const double* const (&w)[Dim],
-                                                              const float* const (*d)[Dim],
-                                                              const std::ptrdiff_t* stride, std::ptrdiff_t i,
-                                                              double inverse_h) {
+                                                              const float* const (*d)[Dim], const Strides<Dim>& stride,
+                                                              std::ptrdiff_t i, double inverse_h) {
     double v[Dim][1 << Dim];
 #pragma GCC unroll 8
     for (int c = 0; c < (1 << Dim); ++c) {
         std::ptrdiff_t at = i;
 #pragma GCC unroll 3
-        for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+        for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[static_cast<std::size_t>(a)];
 #pragma GCC unroll 3
         for (int a = 0; a < Dim; ++a) v[a][c] = w[a][at] + (d ? static_cast<double>((*d)[a][at]) : 0.0);
     }
@@ -135,9 +134,8 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
 
 template <int Dim>
 inline __attribute__((always_inline)) int flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
-                                                        const float* const (&d)[Dim],
-                                                        const std::ptrdiff_t (&stride)[Dim], double inverse_h,
-                                                        double keep, unsigned char* __restrict flag) {
+                                                        const float* const (&d)[Dim], const Strides<Dim>& stride,
+                                                        double inverse_h, double keep, unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         flag[i] = least_corner_det<Dim>(w, &d, stride, i, inverse_h) >= keep ? 0 : 1;
@@ -155,20 +153,9 @@ inline __attribute__((always_inline)) int flag_squeezed(std::ptrdiff_t cells, co
     return any;
 }
 
-MORPHODESIC_CLONES int squeezed_cells_2(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
-                                        const std::ptrdiff_t (&stride)[2], double inverse_h, double keep,
-                                        unsigned char* flag) {
-    return flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
-}
-MORPHODESIC_CLONES int squeezed_cells_3(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
-                                        const std::ptrdiff_t (&stride)[3], double inverse_h, double keep,
-                                        unsigned char* flag) {
-    return flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
-}
-
 template <int Dim>
 inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const double* __restrict u,
-                                                     const std::ptrdiff_t* stride, double limit,
+                                                     const Strides<Dim>& stride, double limit,
                                                      unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
@@ -177,7 +164,7 @@ inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const
         for (int c = 1; c < (1 << Dim); ++c) {
             std::ptrdiff_t at = i;
 #pragma GCC unroll 3
-            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[static_cast<std::size_t>(a)];
             least = u[at] < least ? u[at] : least;
             most = u[at] > most ? u[at] : most;
         }
@@ -189,18 +176,9 @@ inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const
     return any;
 }
 
-MORPHODESIC_CLONES int flag_steep_2(std::ptrdiff_t cells, const double* u, const std::ptrdiff_t* stride, double limit,
-                                    unsigned char* flag) {
-    return flag_steep<2>(cells, u, stride, limit, flag);
-}
-MORPHODESIC_CLONES int flag_steep_3(std::ptrdiff_t cells, const double* u, const std::ptrdiff_t* stride, double limit,
-                                    unsigned char* flag) {
-    return flag_steep<3>(cells, u, stride, limit, flag);
-}
-
 template <int Dim, class T>
 inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, const T* const (&w)[Dim],
-                                                         const std::ptrdiff_t (&stride)[Dim], T inverse_h, T limit,
+                                                         const Strides<Dim>& stride, T inverse_h, T limit,
                                                          unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
@@ -209,14 +187,15 @@ inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, c
         for (int c = 0; c < (1 << Dim); ++c) {
             std::ptrdiff_t at = i;
 #pragma GCC unroll 3
-            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[a];
+            for (int a = 0; a < Dim; ++a) at += ((c >> a) & 1) * stride[static_cast<std::size_t>(a)];
 #pragma GCC unroll 3
             for (int j = 0; j < Dim; ++j) {
                 if ((c >> j) & 1) continue;
                 T square = 0;
 #pragma GCC unroll 3
                 for (int a = 0; a < Dim; ++a) {
-                    const T e = (a == j ? T(1) : T(0)) + (w[a][at + stride[j]] - w[a][at]) * inverse_h;
+                    const T e = (a == j ? T(1) : T(0)) +
+                                (w[a][at + stride[static_cast<std::size_t>(j)]] - w[a][at]) * inverse_h;
                     square += e * e;
                 }
                 longest = square > longest ? square : longest;
@@ -229,16 +208,39 @@ inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, c
     return any;
 }
 
-#define MORPHODESIC_FLAG_STRETCHED(Name, Dim, T)                                                                   \
-    MORPHODESIC_CLONES int Name(std::ptrdiff_t cells, const T* const(&w)[Dim], const std::ptrdiff_t(&stride)[Dim], \
-                                T inverse_h, T limit, unsigned char* flag) {                                       \
-        return flag_stretched<Dim, T>(cells, w, stride, inverse_h, limit, flag);                                   \
-    }
-MORPHODESIC_FLAG_STRETCHED(flag_stretched_2, 2, double)
-MORPHODESIC_FLAG_STRETCHED(flag_stretched_3, 3, double)
-MORPHODESIC_FLAG_STRETCHED(flag_stretched_2_single, 2, float)
-MORPHODESIC_FLAG_STRETCHED(flag_stretched_3_single, 3, float)
-#undef MORPHODESIC_FLAG_STRETCHED
+// What is public, compiled for several instruction sets.
+MORPHODESIC_CLONES int squeezed_row(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
+                                    const Strides<2>& stride, double inverse_h, double keep, unsigned char* flag) {
+    return flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
+}
+MORPHODESIC_CLONES int steep_row(std::ptrdiff_t cells, const double* u, const Strides<2>& stride, double limit,
+                                 unsigned char* flag) {
+    return flag_steep<2>(cells, u, stride, limit, flag);
+}
+MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const double* const (&w)[2], const Strides<2>& stride,
+                                     double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched<2, double>(cells, w, stride, inverse_h, limit, flag);
+}
+MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const float* const (&w)[2], const Strides<2>& stride,
+                                     float inverse_h, float limit, unsigned char* flag) {
+    return flag_stretched<2, float>(cells, w, stride, inverse_h, limit, flag);
+}
+MORPHODESIC_CLONES int squeezed_row(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
+                                    const Strides<3>& stride, double inverse_h, double keep, unsigned char* flag) {
+    return flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
+}
+MORPHODESIC_CLONES int steep_row(std::ptrdiff_t cells, const double* u, const Strides<3>& stride, double limit,
+                                 unsigned char* flag) {
+    return flag_steep<3>(cells, u, stride, limit, flag);
+}
+MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const double* const (&w)[3], const Strides<3>& stride,
+                                     double inverse_h, double limit, unsigned char* flag) {
+    return flag_stretched<3, double>(cells, w, stride, inverse_h, limit, flag);
+}
+MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const float* const (&w)[3], const Strides<3>& stride,
+                                     float inverse_h, float limit, unsigned char* flag) {
+    return flag_stretched<3, float>(cells, w, stride, inverse_h, limit, flag);
+}
 
 }  // namespace
 
@@ -297,47 +299,34 @@ double differences(std::span<HalfFloat> s, std::span<const double> x, std::span<
     return total;
 }
 
-template <>
-bool squeezed_cells<2>(std::size_t cells, const double* const (&w)[2], const float* const (&d)[2],
-                       const std::ptrdiff_t (&stride)[2], double inverse_h, double keep, unsigned char* flag) {
-    return squeezed_cells_2(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
+template <int Dim>
+bool squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
+                    const Strides<Dim>& stride, double inverse_h, double keep, unsigned char* flag) {
+    return squeezed_row(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
 }
-template <>
-bool squeezed_cells<3>(std::size_t cells, const double* const (&w)[3], const float* const (&d)[3],
-                       const std::ptrdiff_t (&stride)[3], double inverse_h, double keep, unsigned char* flag) {
-    return squeezed_cells_3(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
+
+template <int Dim>
+bool steep_cells(std::size_t cells, const double* u, const Strides<Dim>& stride, double limit, unsigned char* flag) {
+    return steep_row(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
 }
-template <>
-bool steep_cells<2>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[2], double limit,
-                    unsigned char* flag) {
-    return flag_steep_2(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
+
+template <int Dim, class T>
+bool stretched_cells(std::size_t cells, const T* const (&w)[Dim], const Strides<Dim>& stride, double inverse_h,
+                     double limit, unsigned char* flag) {
+    return stretched_row(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<T>(inverse_h),
+                         static_cast<T>(limit), flag) != 0;
 }
-template <>
-bool steep_cells<3>(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[3], double limit,
-                    unsigned char* flag) {
-    return flag_steep_3(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
-}
-template <>
-bool stretched_cells<2, double>(std::size_t cells, const double* const (&w)[2], const std::ptrdiff_t (&stride)[2],
-                                double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched_2(static_cast<std::ptrdiff_t>(cells), w, stride, inverse_h, limit, flag) != 0;
-}
-template <>
-bool stretched_cells<2, float>(std::size_t cells, const float* const (&w)[2], const std::ptrdiff_t (&stride)[2],
-                               double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched_2_single(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<float>(inverse_h),
-                                   static_cast<float>(limit), flag) != 0;
-}
-template <>
-bool stretched_cells<3, double>(std::size_t cells, const double* const (&w)[3], const std::ptrdiff_t (&stride)[3],
-                                double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched_3(static_cast<std::ptrdiff_t>(cells), w, stride, inverse_h, limit, flag) != 0;
-}
-template <>
-bool stretched_cells<3, float>(std::size_t cells, const float* const (&w)[3], const std::ptrdiff_t (&stride)[3],
-                               double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched_3_single(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<float>(inverse_h),
-                                   static_cast<float>(limit), flag) != 0;
-}
+
+#define MORPHODESIC_INSTANTIATE(Dim)                                                                                  \
+    template bool squeezed_cells<Dim>(std::size_t, const double* const(&)[Dim], const float* const(&)[Dim],           \
+                                      const Strides<Dim>&, double, double, unsigned char*);                           \
+    template bool steep_cells<Dim>(std::size_t, const double*, const Strides<Dim>&, double, unsigned char*);          \
+    template bool stretched_cells<Dim, double>(std::size_t, const double* const(&)[Dim], const Strides<Dim>&, double, \
+                                               double, unsigned char*);                                               \
+    template bool stretched_cells<Dim, float>(std::size_t, const float* const(&)[Dim], const Strides<Dim>&, double,   \
+                                              double, unsigned char*);
+MORPHODESIC_INSTANTIATE(2)
+MORPHODESIC_INSTANTIATE(3)
+#undef MORPHODESIC_INSTANTIATE
 
 }  // namespace morphodesic::kernels

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -34,28 +35,28 @@ void step(std::span<double> out, std::span<const double> x, double factor, std::
 [[nodiscard]] double differences(std::span<HalfFloat> s, std::span<const double> x, std::span<const double> x0,
                                  std::span<HalfFloat> y, std::span<const float> g, std::span<const float> g0);
 
+/// Distance of neighbouring nodes in memory, on each axis.
+template <int Dim>
+using Strides = std::array<std::ptrdiff_t, Dim>;
+
 /// Along one row of cells: flag[i] = 1 where the least det D phi at the corners of cell i falls below `keep` times what
 /// it is, or times 1 where it is more, when the displacement w changes by d; 0 elsewhere. @return whether there is any
-/// @param w, d    one pointer per component, to the first node of the row
-/// @param stride  distance of neighbours on each axis
+/// @param w, d  one pointer per component, to the first node of the row
 template <int Dim>
 bool squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
-                    const std::ptrdiff_t (&stride)[Dim], double inverse_h, double keep, unsigned char* flag);
+                    const Strides<Dim>& stride, double inverse_h, double keep, unsigned char* flag);
 
 /// Along one row of cells: flag[i] = 1 where the values of u at the corners of cell i have both signs and differ by
 /// more than `limit`; 0 elsewhere. @return whether there is any
-/// @param u       from the first node of the row on
-/// @param stride  distance of neighbours on each axis
+/// @param u  from the first node of the row on
 template <int Dim>
-bool steep_cells(std::size_t cells, const double* u, const std::ptrdiff_t (&stride)[Dim], double limit,
-                 unsigned char* flag);
+bool steep_cells(std::size_t cells, const double* u, const Strides<Dim>& stride, double limit, unsigned char* flag);
 
 /// Along one row of cells: flag[i] = 1 where an edge of cell i is longer than `limit` times what it was when the
 /// displacement w moves its ends; 0 elsewhere. @return whether there is any
-/// @param w       one pointer per component, to the first node of the row
-/// @param stride  distance of neighbours on each axis
+/// @param w  one pointer per component, to the first node of the row
 template <int Dim, class T>
-bool stretched_cells(std::size_t cells, const T* const (&w)[Dim], const std::ptrdiff_t (&stride)[Dim], double inverse_h,
+bool stretched_cells(std::size_t cells, const T* const (&w)[Dim], const Strides<Dim>& stride, double inverse_h,
                      double limit, unsigned char* flag);
 
 }  // namespace morphodesic::kernels

@@ -18,7 +18,7 @@ namespace morphodesic {
 namespace {
 constexpr double tail_floor = 1e-2;  // share of max delta_eps^2 in the scaling of u
 // A residual of the mismatch moves with phi_k, u_{k-1} and u_k at once; treated one by one they need more than their
-// own stiffness for full steps to be accepted (measured: 1 costs line searches, 3 iterations).
+// own stiffness for full steps to be accepted (measured: 1 takes more line searches, 3 more iterations).
 constexpr double coupling = 1.5;
 
 /// Gauss-Newton matrices of the mismatch of one step in u_{k-1} and u_k, lumped at the nodes.

@@ -36,8 +36,7 @@ void SlopeLimit<Dim>::apply(std::span<double> x) {
     const auto& grid = layout_.grid;
     const auto cells = static_cast<std::size_t>(grid.cells(0));
     const double limit = steepest * grid.spacing();
-    std::ptrdiff_t stride[Dim];
-    for (int a = 0; a < Dim; ++a) stride[a] = static_cast<std::ptrdiff_t>(grid.stride(a));
+    const auto stride = grid.strides();
     for_indices(1, layout_.time_steps, [&](int k) {
         double* u = x.data() + layout_.level_set(k);
         auto& scaled = scaled_[static_cast<std::size_t>(k)];

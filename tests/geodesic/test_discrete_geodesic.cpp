@@ -3,11 +3,11 @@
 #include <limits>
 
 #include "geodesic/discrete_geodesic.h"
-#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/solver/volume_constraint.h"
 #include "tests/support/instruction_sets.h"
+#include "tests/support/mismatch_by_points.h"
 #include "tests/support/path_problems.h"
 #include "tests/support/thread_counts.h"
 
@@ -117,26 +117,17 @@ TEST(DiscreteGeodesic, BarsHoldForFewStepsBetweenSizesThatDifferMuch) {
 /// The mismatch energy (12) of a path, eta included, by many points in each cell.
 double mismatch_by_many_points(const GeodesicResult<2>& path) {
     const auto& grid = path.shapes[0].grid;
-    const auto& options = path.options;
-    const double h = grid.spacing(), eps = options.rim_width * h;
-    constexpr int points = 12;
+    const auto points = tests::midpoints<2>(12);
     double sum = 0.0;
     for (std::size_t k = 0; k < path.deformations.size(); ++k) {
         const auto& w = path.deformations[k].displacement.components;
         q1::for_each_cell(grid, [&](std::size_t node) {
-            const auto low = grid.position(grid.node(node));
-            for (int p = 0; p < points * points; ++p) {
-                const Point<2> x{low[0] + (p % points + 0.5) / points * h, low[1] + (p / points + 0.5) / points * h};
-                const auto moved = q1::values<2, 2>(grid, {w[0].data(), w[1].data()}, x);
-                const double there =
-                    q1::value(grid, path.shapes[k + 1].values.data(), {x[0] + moved[0], x[1] + moved[1]});
-                const double here = q1::value(grid, path.shapes[k].values.data(), x);
-                const double d = smooth_heaviside(there, eps) - smooth_heaviside(here, eps);
-                sum += d * d;
-            }
+            sum += tests::mismatch_by_points<2>(grid, node, points, {w[0].data(), w[1].data()},
+                                                path.shapes[k].values.data(), path.shapes[k + 1].values.data(),
+                                                path.options.rim_width * grid.spacing());
         });
     }
-    return options.eta(options.time_steps) * sum * h * h / (points * points);
+    return path.options.eta(path.options.time_steps) * sum;
 }
 
 /// Where a shape has to come from next to nothing, a minimiser would rather hide what it adds between the points at

@@ -1,14 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <span>
 #include <vector>
 
-#include "geodesic/energy/heaviside.h"
 #include "geodesic/energy/stretched_cells.h"
 #include "geodesic/grid/q1_element.h"
+#include "tests/support/mismatch_by_points.h"
 #include "tests/support/path_problems.h"
 
 namespace morphodesic {
@@ -77,20 +79,11 @@ struct Step {
     }
 
     /// The mismatch of a cell by the given points of the unit cell.
-    template <class Points>
-    double mismatch(std::size_t node, const Points& points) const {
-        const auto low = grid.position(grid.node(node));
-        double sum = 0.0;
-        for (const Point<Dim>& p : points) {
-            Point<Dim> here = low;
-            for (std::size_t a = 0; a < Dim; ++a) here[a] += p[a] * grid.spacing();
-            Point<Dim> there = here;
-            for (std::size_t a = 0; a < Dim; ++a) there[a] += q1::value(grid, x.data() + a * nodes, here);
-            const double d = smooth_heaviside(q1::value(grid, x.data() + (Dim + 1) * nodes, there), weights.eps) -
-                             smooth_heaviside(q1::value(grid, x.data() + Dim * nodes, here), weights.eps);
-            sum += d * d;
-        }
-        return sum / static_cast<double>(points.size()) * std::pow(grid.spacing(), Dim);
+    double mismatch(std::size_t node, std::span<const Point<Dim>> points) const {
+        std::array<const double*, Dim> w;
+        for (std::size_t a = 0; a < Dim; ++a) w[a] = x.data() + a * nodes;
+        const double* from = x.data() + Dim * nodes;
+        return tests::mismatch_by_points<Dim>(grid, node, points, w, from, from + nodes, weights.eps);
     }
 
     /// Length of the longest edge of a cell after the step, in units of h.
@@ -113,20 +106,6 @@ struct Step {
     }
 };
 
-template <int Dim>
-std::vector<Point<Dim>> many_points(int per_axis) {
-    std::vector<Point<Dim>> points;
-    for (int p = 0; p < static_cast<int>(std::pow(per_axis, Dim) + 0.5); ++p) {
-        Point<Dim> x;
-        for (std::size_t a = 0, rest = static_cast<std::size_t>(p); a < Dim; ++a) {
-            x[a] = (static_cast<double>(rest % static_cast<std::size_t>(per_axis)) + 0.5) / per_axis;
-            rest /= static_cast<std::size_t>(per_axis);
-        }
-        points.push_back(x);
-    }
-    return points;
-}
-
 template <class T>
 class StretchedCellsIn : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -134,7 +113,7 @@ TYPED_TEST_SUITE(StretchedCellsIn, Dimensions);
 
 TYPED_TEST(StretchedCellsIn, TheDifferenceIsWhatTheRuleOverlooks) {
     constexpr int dim = TypeParam::value;
-    const auto dense = many_points<dim>(dim == 2 ? 60 : 9);
+    const auto dense = tests::midpoints<dim>(dim == 2 ? 60 : 9);
     for (const double noise : {0.0, 0.15}) {
         const Step<dim> step(5.0, noise);
         std::vector<double> expected(static_cast<std::size_t>(step.grid.cells(0)));
