@@ -7,6 +7,8 @@
 
 #include "datasets/content_digest.h"
 #include "datasets/read_error.h"
+#include "geodesic/grid/measures.h"
+#include "geodesic/grid/transfer.h"
 
 namespace morphodesic::datasets {
 
@@ -19,36 +21,29 @@ std::string percent(double share) {
     return text;
 }
 
-/// Pieces of the object that no chain of inner nodes joins, neighbours also across corners.
+std::string counted(int count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/// What a grid makes of the parts of a shape, with what to do; empty if it has them all.
 template <int Dim>
-int component_count(const LevelSet<Dim>& u) {
-    std::vector<char> seen(u.values.size(), 0);
-    std::vector<std::size_t> waiting;
-    int count = 0;
-    for (std::size_t start = 0; start < seen.size(); ++start) {
-        if (seen[start] != 0 || u.values[start] <= 0.0) continue;
-        ++count;
-        waiting.assign(1, start);
-        seen[start] = 1;
-        while (!waiting.empty()) {
-            const auto node = u.grid.node(waiting.back());
-            waiting.pop_back();
-            for (int step = 0; step < (Dim == 2 ? 9 : 27); ++step) {
-                auto next = node;
-                bool on_grid = true;
-                for (int a = 0, rest = step; a < Dim; ++a, rest /= 3) {
-                    next[a] += rest % 3 - 1;
-                    on_grid &= next[a] >= 0 && next[a] < u.grid.nodes_per_axis();
-                }
-                if (!on_grid) continue;
-                const std::size_t i = u.grid.index(next);
-                if (seen[i] != 0 || u.values[i] <= 0.0) continue;
-                seen[i] = 1;
-                waiting.push_back(i);
-            }
-        }
+std::string note_on_topology(const RawShape<Dim>& raw, const LevelSet<Dim>& u, const std::string& remedy) {
+    if (raw.components == 0) return {};
+    const ShapeMeasures seen = measure(u);
+    const bool counts_holes = Dim == 2 && raw.holes >= 0;
+    const int holes = seen.components - seen.euler;
+    if (counts_holes) {
+        if (seen.components == raw.components && holes == raw.holes) return {};
+    } else if (seen.components <= raw.components) {  // parts of a mesh may lie in one another
+        return {};
     }
-    return count;
+    std::string found = counted(seen.components, "part"), given = std::to_string(raw.components);
+    if (counts_holes) {
+        found += " and " + counted(holes, "hole");
+        given = counted(raw.components, "part") + " and " + counted(raw.holes, "hole");
+    }
+    return "On the grid of level " + std::to_string(u.grid.level()) + " it has " + found + " instead of " + given +
+           ", as some or gaps between them are thinner than its cells: " + remedy + ".";
 }
 
 }  // namespace
@@ -59,6 +54,7 @@ std::vector<std::string> NormalizeOptions::problems() const {
         result.push_back("normalize must be common, each or none, not \"" + mode + "\"");
     }
     if (!(scale >= 0.0 && std::isfinite(scale))) result.push_back("the common scale must be finite and not negative");
+    if (solved_level < 0) result.push_back("the level of the solver must not be negative");
     if (level < 1 || level > 10) result.push_back("the grid level must be from 1 to 10");
     return result;
 }
@@ -140,17 +136,12 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
         throw ReadError(raw.source.path, "at this scale the whole shape is smaller than a cell of the grid",
                         finer + ", or leave the shape out");
     }
-    if (depth < grid.spacing()) {
+    const int solved_level = options.solved_level > 0 ? std::min(options.solved_level, options.level) : options.level;
+    if (depth < DyadicGrid<Dim>(solved_level).spacing()) {
         shape.notes.push_back("Thinner than two cells of the grid everywhere: " + finer + ".");
     }
-    if (raw.components > 0) {
-        const int pieces = component_count(shape.level_set);
-        if (pieces > raw.components) {
-            shape.notes.push_back("On this grid it falls into " + std::to_string(pieces) + " pieces instead of " +
-                                  std::to_string(raw.components) + ", as parts are thinner than the cells: " + finer +
-                                  ".");
-        }
-    }
+    const std::string topology = note_on_topology(raw, restricted(shape.level_set, solved_level), finer);
+    if (!topology.empty()) shape.notes.push_back(topology);
     shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);
     return shape;
 }

@@ -23,6 +23,7 @@ struct NormalizeOptions {
     double scale =
         0.0;        ///< for common: cube units per file unit, see common_scale; 0: the shape is scaled to fit alone
     int level = 6;  ///< grid with 2^level + 1 nodes per axis, 1 <= level <= 10
+    int solved_level = 0;  ///< level on which the shape will be looked at, which notes are about; 0: level
 
     [[nodiscard]] std::vector<std::string> problems() const;  ///< every violated constraint; empty if usable
 };

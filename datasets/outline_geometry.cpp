@@ -192,7 +192,9 @@ RawShape<2> raw_shape_of(const ShapeSource& source, Outline outline, HiddenPixel
     raw.volume = m.area;
     raw.extent_radius = m.extent_radius;
     raw.frame_low = raw.frame_high = m.centroid;
+    raw.holes = 0;
     for (const Loop& loop : outline.loops) {
+        ++(signed_area(loop) > 0 ? raw.components : raw.holes);
         for (const Point<2>& p : loop) {
             for (int a = 0; a < 2; ++a) {
                 raw.frame_low[a] = std::min(raw.frame_low[a], p[a]);

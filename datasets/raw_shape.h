@@ -49,7 +49,8 @@ struct RawShape {
     Point<Dim> centroid{};       ///< of the object, file units
     double volume = 0.0;         ///< area (volume) of the object, file units^Dim, > 0
     double extent_radius = 0.0;  ///< largest distance of the object from its centroid, file units, > 0
-    int components = 0;          ///< pieces that the object has; 0: not counted
+    int components = 0;          ///< parts that the object has; 0: not counted
+    int holes = -1;              ///< holes in them (2D); -1: not counted
     Point<Dim> frame_low{};      ///< corner of what --normalize none maps to the unit cube: the image; of solids a cube
                                  ///< of side 1, larger only if they do not fit into that
     Point<Dim> frame_high{};     ///< the opposite corner

@@ -48,6 +48,7 @@ TemplateSet<Dim> from_store(const fs::path& folder, const RunSettings& wanted) {
     set.import = settings.import;
     set.placement.mode = settings.normalize;
     set.placement.level = std::max(shape_level(Dim, settings.geodesic), shape_level(Dim, wanted.geodesic));
+    set.placement.solved_level = wanted.geodesic.level;
     if (const auto scale = store.fact("common_scale"); scale && settings.normalize == "common") {
         std::from_chars(scale->data(), scale->data() + scale->size(), set.placement.scale);
     }
@@ -81,6 +82,7 @@ TemplateSet<Dim> from_files(const fs::path& folder, const RunSettings& settings)
     set.import = settings.import;
     set.placement.mode = settings.normalize;
     set.placement.level = shape_level(Dim, settings.geodesic);
+    set.placement.solved_level = settings.geodesic.level;
     set.remarks = scan.notes;
     for (const auto& problem : scan.problems) set.problems.push_back(problem.message());
     choose_dimension(folder, settings.dimension, scan.sources, set.problems, set.remarks);

@@ -228,6 +228,7 @@ Collection prepare_collection(const fs::path& folder, const RunSettings& setting
     collection.import = settings.import;
     collection.placement.mode = settings.normalize;
     collection.placement.level = shape_level(collection.dimension, settings.geodesic);
+    collection.placement.solved_level = settings.geodesic.level;
 
     std::map<std::string, StoredShape> known;
     for (StoredShape& shape : store.shapes()) known.emplace(shape.name, std::move(shape));

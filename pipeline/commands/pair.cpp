@@ -82,6 +82,7 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
     datasets::NormalizeOptions placement;
     placement.mode = options.settings.normalize;
     placement.level = shape_level(Dim, options.settings.geodesic);
+    placement.solved_level = options.settings.geodesic.level;
     if (placement.mode == "common") {
         const double radii[] = {raw_a.extent_radius, raw_b.extent_radius};
         const double fits = datasets::common_scale(radii);

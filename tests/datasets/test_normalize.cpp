@@ -81,6 +81,28 @@ TEST(Normalize, AShapeTooThinForTheGridIsNoted) {
     EXPECT_THAT(normalize(raw_bar(30, 1), options).notes, IsEmpty());
 }
 
+TEST(Normalize, WhatTheGridOfTheSolverMakesOfThePartsIsNoted) {
+    NormalizeOptions options;
+    options.level = 7;
+    Loop hole = disk_polygon({0, 0}, 18.5, 256);
+    std::reverse(hole.begin(), hole.end());
+    const RawShape<2> ring = raw_shape_of({}, Outline{{disk_polygon({0, 0}, 20, 256), hole}});
+    EXPECT_THAT(normalize(ring, options).notes, IsEmpty());
+    options.solved_level = 5;  // where the ring is thinner than a cell
+    EXPECT_THAT(normalize(ring, options).notes,
+                Contains(testing::MatchesRegex("On the grid of level 5 it has [0-9]+ parts and 0 holes instead of 1 "
+                                               "part and 1 hole, as .*: use a finer --level.*")));
+    // The gap between two disks is a quarter of a cell wide and lies between the nodes.
+    const RawShape<2> pair =
+        raw_shape_of({}, Outline{{disk_polygon({-10.2, 0}, 10, 128), disk_polygon({7.2, 0}, 7, 128)}});
+    EXPECT_THAT(normalize(pair, options).notes,
+                Contains(HasSubstr("1 part and 0 holes instead of 2 parts and 0 holes")));
+    options.solved_level = 9;  // no finer than what is kept
+    EXPECT_THAT(normalize(pair, options).notes, IsEmpty());
+    options.solved_level = -1;
+    EXPECT_THROW(normalize(pair, options), std::invalid_argument);
+}
+
 TEST(Normalize, AShapeThatFallsThroughTheGridIsRefused) {
     NormalizeOptions options;
     options.scale = 0.001;
