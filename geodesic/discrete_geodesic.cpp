@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geodesic/error_bar.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/transfer.h"
 #include "geodesic/solver/alignment.h"
@@ -30,8 +31,6 @@ constexpr int start_level = 4;
 constexpr int search_steps = 2, settled_steps = 4;
 // From so many time steps on, what one iteration gains shrinks with their number, and so must the tolerance.
 constexpr int many_steps = 8;
-// With a smaller weight of the mismatch per step a path may leave a good part of the way to it.
-constexpr double firm_weight = 25.0;
 // While starts compete, the rim is one cell wide: with a narrower one the quadrature points see the contours jump from
 // one to the next, and the energy has many small steps that say nothing.
 constexpr double search_rim = 1.0;
@@ -371,7 +370,7 @@ private:
             result.shapes.push_back(std::move(u));
         }
         result.shapes.push_back(restricted(b_, layout.grid.level()));
-        error_bar(result, wide_length);
+        add_error_bar(result, wide_length, wide_rim(), !mask_.values.empty());
         if (!(result.min_det > 0)) {
             result.termination = Termination::no_descent;
             result.message = "a deformation could not be shown to be 1-1";
@@ -380,50 +379,6 @@ private:
             result.message = "a deformation squeezes a cell to next to nothing, where its energy cannot be told";
         }
         if (!result.levels.empty()) result.levels.back().min_det = result.min_det;
-    }
-
-    /// What more time steps would still change, as a share of the length. That error is first order in 1 / K (a step
-    /// has the energy of a finite strain), so as much is left as the last doubling of K changed.
-    [[nodiscard]] static double share_in_time(const std::vector<LevelReport>& levels) {
-        for (std::size_t i = 1; i < levels.size(); ++i) {
-            const LevelReport &before = levels[i - 1], &after = levels[i];
-            if (before.time_steps == after.time_steps || after.time_steps != levels.back().time_steps) continue;
-            return after.path_length > 0 ? std::abs(after.path_length - before.path_length) / after.path_length : 0.0;
-        }
-        return 0.0;
-    }
-
-    /// The error is first order in the width of the rim (a step may drift by a share of it for little mismatch), so two
-    /// widths extrapolate the length (Richardson): l + (l - l_wide) eps / (eps_wide - eps). Where the length falls with
-    /// the rim, it is material in the tails of H_eps that is moved along: that part of l^2 is first order, and may be
-    /// most of it where a thin shape bends. The bar is 1.75 times that correction (on the closed forms the order is a
-    /// little below one before the limit), what is left of the time steps, and what the tolerance leaves.
-    ///
-    /// Long steps rather leave a part d of the way to the mismatch, eta c d^2. Where the sum of both is least,
-    /// E = l (l + d), so d = E / l - l (too much where the mismatch saturates; E without the area term). All of it
-    /// counts where one step or a soft mismatch allows it, else as much as the sizes of the shapes differ: the larger
-    /// one has material that the smaller one has to fill or to leave. The rest is told by the doubling. Of a shape that
-    /// is partly hidden sizes are not known. The drift within the rim is a part of d, so the larger of the two counts.
-    void error_bar(GeodesicResult<Dim>& result, double wide_length) const {
-        const double length = result.path_length;
-        const double factor = options_.rim_width / (wide_rim() - options_.rim_width);
-        double rest = factor * (length - wide_length);
-        if (rest < 0) {
-            const double square = length * length + factor * (length * length - wide_length * wide_length);
-            rest = std::sqrt(std::max(0.0, square)) - length;
-        }
-        result.extrapolated_length = length + rest;
-        const double drift = 1.75 * std::abs(rest), left = (share_in_time(result.levels) + options_.tolerance) * length;
-        result.error = drift + left;
-        if (!(length > 0)) return;
-        const auto volume = [](const LevelSet<Dim>& u) { return enclosed_volume(u.grid, u.values.data()); };
-        const auto [smaller, larger] = std::minmax({volume(result.shapes.front()), volume(result.shapes.back())});
-        const int steps = options_.time_steps;
-        const bool all = steps == 1 || options_.eta(steps) < firm_weight * steps;
-        const double share = all ? 1.0 : mask_.values.empty() ? 1.0 - smaller / larger : 0.0;
-        double energy = result.path_energy;
-        for (const double mismatch : result.mismatch_energy) energy += options_.eta(steps) * mismatch;
-        result.error = std::max(drift, share * (energy / length - length)) + left;
     }
 
     const LevelSet<Dim>& a_;

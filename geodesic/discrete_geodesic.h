@@ -30,12 +30,12 @@ template <int Dim>
 struct GeodesicResult {
     GeodesicOptions options;
     Termination termination = Termination::converged;
-    std::string message;  ///< one sentence on the termination, empty if converged
+    std::string message;  ///< one sentence on the termination, empty where there is nothing to say
 
     double path_length = 0.0;          ///< sum_k sqrt(E_deform,k): the distance; unit length^(Dim/2)
     double path_energy = 0.0;          ///< K sum_k E_deform,k
     double total_energy = 0.0;         ///< E of (14)
-    double error = 0.0;                ///< error bar of path_length, from two rims and two numbers of time steps
+    double error = 0.0;                ///< error bar of path_length, see add_error_bar
     double extrapolated_length = 0.0;  ///< path length extrapolated to h -> 0
     double min_det = 0.0;              ///< guaranteed lower bound of det D phi_k over all cells and steps; > 0: 1-1
     std::vector<double> deformation_energy;  ///< E_deform,k, k = 1..K

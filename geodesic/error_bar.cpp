@@ -1,0 +1,71 @@
+#include "geodesic/error_bar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geodesic/solver/volume_constraint.h"
+
+namespace morphodesic {
+
+namespace {
+
+// With a smaller weight of the mismatch per step a path may leave a good part of the way to it.
+constexpr double firm_weight = 25.0;
+
+/// What more time steps would still change, as a share of the length. That error is first order in 1 / K (a step has
+/// the energy of a finite strain), so as much is left as the last doubling of K changed.
+double share_in_time(const std::vector<LevelReport>& levels) {
+    for (std::size_t i = 1; i < levels.size(); ++i) {
+        const LevelReport &before = levels[i - 1], &after = levels[i];
+        if (before.time_steps == after.time_steps || after.time_steps != levels.back().time_steps) continue;
+        return after.path_length > 0 ? std::abs(after.path_length - before.path_length) / after.path_length : 0.0;
+    }
+    return 0.0;
+}
+
+/// How much of the length the last halving of the grid changed that the change with the rim alone does not predict.
+/// Both solves have the same time steps and the wide rim; 0 where the cascade has no such pair.
+double change_unseen_by_rim(const std::vector<LevelReport>& levels, double predicted) {
+    for (std::size_t i = levels.size(); i-- > 1;) {
+        const LevelReport &before = levels[i - 1], &after = levels[i];
+        if (after.level == levels.back().level && before.level + 1 == after.level &&
+            before.time_steps == after.time_steps && before.rim_width == after.rim_width) {
+            return std::abs(after.path_length - before.path_length - predicted);
+        }
+    }
+    return 0.0;
+}
+
+}  // namespace
+
+template <int Dim>
+void add_error_bar(GeodesicResult<Dim>& result, double wide_length, double wide_rim, bool masked) {
+    const auto& options = result.options;
+    const double length = result.path_length;
+    const double factor = options.rim_width / (wide_rim - options.rim_width);
+    const double by_rim = factor * (length - wide_length);
+    double rest = by_rim;
+    if (by_rim < 0) {
+        const double square = length * length + factor * (length * length - wide_length * wide_length);
+        rest = std::sqrt(std::max(0.0, square)) - length;
+    }
+    result.extrapolated_length = length + rest;
+    const double in_space =
+        1.75 * std::abs(rest) + change_unseen_by_rim(result.levels, by_rim * wide_rim / options.rim_width);
+    const double left = (share_in_time(result.levels) + options.tolerance) * length;
+    result.error = in_space + left;
+    if (!(length > 0)) return;
+    const auto volume = [](const LevelSet<Dim>& u) { return enclosed_volume(u.grid, u.values.data()); };
+    const auto [smaller, larger] = std::minmax({volume(result.shapes.front()), volume(result.shapes.back())});
+    const int steps = options.time_steps;
+    const bool all = steps == 1 || options.eta(steps) < firm_weight * steps;
+    const double share = all ? 1.0 : masked ? 0.0 : 1.0 - smaller / larger;
+    double energy = result.path_energy;
+    for (const double mismatch : result.mismatch_energy) energy += options.eta(steps) * mismatch;
+    result.error = std::max(in_space, share * (energy / length - length)) + left;
+}
+
+template void add_error_bar<2>(GeodesicResult<2>&, double, double, bool);
+template void add_error_bar<3>(GeodesicResult<3>&, double, double, bool);
+
+}  // namespace morphodesic
