@@ -136,7 +136,7 @@ RunSettings settings_from_text(const std::string& text) {
 }
 
 int shape_level(int dimension, const GeodesicOptions& options) {
-    return dimension == 2 ? std::max(options.level, 7) : options.level;
+    return dimension == 2 ? std::min(std::max(options.level + 1, 7), 10) : options.level;
 }
 
 }  // namespace morphodesic::pipeline

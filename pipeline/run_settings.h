@@ -81,12 +81,13 @@ void take_preset(RunSettings& settings, const std::string& name);
 /// The settings that a canonical text describes. @throws std::invalid_argument naming an unknown or unreadable line
 [[nodiscard]] RunSettings settings_from_text(const std::string& text);
 
-/// Level of the grid on which shapes are kept: that of the solver, and in 2D not below 7, so that a study can go to
-/// finer levels without reading the files again and pictures are smooth.
+/// Level of the grid on which shapes are kept: in 3D that of the solver. In 2D one finer, as shapes are turned, and
+/// their corners are lost between the nodes (a letter is then three times nearer to itself), and from 7 to 10, so that
+/// pictures are smooth and a coarse study can go to finer levels without reading the files again.
 [[nodiscard]] int shape_level(int dimension, const GeodesicOptions& options);
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
 /// different solvers never share a matrix.
-inline constexpr int solver_revision = 18;
+inline constexpr int solver_revision = 19;
 
 }  // namespace morphodesic::pipeline
