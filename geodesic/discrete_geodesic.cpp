@@ -57,6 +57,12 @@ Cut cut_before(int level, int starts) {
     return level == start_level + 1 ? Cut{1.4, starts} : Cut{1.08, (starts + 1) / 2};
 }
 
+/// Where finer levels follow, those that are close on the last level of the search get more time steps before one of
+/// them goes on: often these tell which path is the lower one (measured on letters: energies up to 1.5 % lower for the
+/// same work, as what is chosen then takes less on fine levels). Solids do not pay for it.
+template <int Dim>
+constexpr Cut finalists = Dim == 2 ? Cut{1.15, 4} : Cut{1.0, 1};
+
 /// Starts are cut into more steps up to this multiple of the least energy with one step (measured: the same paths).
 constexpr double one_step_margin = 1.3;
 
@@ -262,16 +268,21 @@ private:
                          [](const Start<Dim>& x, const Start<Dim>& y) { return x.terms.total < y.terms.total; });
     }
 
-    /// Level after level the promising starts go on; returns the best on the last level of the search.
+    /// Drops all but the promising of the sorted starts.
+    static void keep(std::vector<Start<Dim>>& starts, const Cut& cut) {
+        const double limit = cut.margin * starts.front().terms.total;
+        std::erase_if(starts, [&](const Start<Dim>& s) { return s.terms.total > limit; });
+        if (starts.size() > static_cast<std::size_t>(cut.count)) starts.resize(static_cast<std::size_t>(cut.count));
+    }
+
+    /// Level after level the promising starts go on; returns the best on the last level of the search, with its steps
+    /// until one level is left.
     Start<Dim> search() {
         auto starts = coarse_starts();
         const double tolerance = std::max(options_.tolerance, search_tolerance);
         const int last = std::min(options_.level, last_search_level<Dim>);
         for (int level = starts.front().path.layout.grid.level() + 1; level <= last; ++level) {
-            const Cut cut = cut_before(level, options_.starts);
-            const double limit = cut.margin * starts.front().terms.total;
-            std::erase_if(starts, [&](const Start<Dim>& s) { return s.terms.total > limit; });
-            if (starts.size() > static_cast<std::size_t>(cut.count)) starts.resize(static_cast<std::size_t>(cut.count));
+            keep(starts, cut_before(level, options_.starts));
             for (auto& start : starts) {
                 int folds = 0;
                 start.path = prolong_in_space(start.path, folds);
@@ -279,6 +290,12 @@ private:
             }
             sort(starts);
         }
+        keep(starts, last < options_.level ? finalists<Dim> : Cut{1.0, 1});
+        for (auto& start : starts) {
+            solve(start, 0, wide_rim(), wide_tolerance());
+            double_steps_up_to(start, settled_steps);
+        }
+        sort(starts);
         return std::move(starts.front());
     }
 
@@ -293,10 +310,7 @@ private:
     /// made narrow. The error bar compares the two lengths.
     /// @return length with the wide rim
     double finish(Start<Dim>& best) {
-        int level = best.path.layout.grid.level();
-        solve(best, 0, wide_rim(), wide_tolerance());
-        double_steps_up_to(best, settled_steps);
-        for (; level < options_.level; ++level) {
+        for (int level = best.path.layout.grid.level(); level < options_.level; ++level) {
             if (level + 1 == options_.level) double_steps_up_to(best, options_.time_steps);
             int folds = 0;
             best.path = prolong_in_space(best.path, folds);

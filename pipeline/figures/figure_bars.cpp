@@ -22,7 +22,10 @@ std::pair<double, double> length_and_width(const ShapeMeasures& m) {
 
 Figure figure_bars(const FigureOptions& options) {
     GeodesicOptions settings = options.geodesic();
-    if (!options.quick) settings.tolerance = 2.5e-4;  // thin shapes that bend take many iterations
+    if (!options.quick) {  // thin shapes that bend take many iterations
+        settings.tolerance = 2.5e-4;
+        settings.max_iterations = 1000;
+    }
     const int finest = settings.time_steps;
     constexpr double bend = 285 * std::numbers::pi / 180, length = 0.62, width = 0.09;
     const auto straight = level_set_of({datasets::bent_bar({0.5, 0.5}, length, width, 0.0)}, settings);
