@@ -40,9 +40,12 @@ std::string reading_digest(const datasets::ShapeSource& source, const std::strin
     return digest(text);
 }
 
+/// Everything that decides what is stored of a shape. Its notes are about the level of the solver.
 std::string placing_digest(const std::string& reading, const datasets::NormalizeOptions& placement) {
-    return digest(reading + "\n" + placement.mode + " " + exact_text(placement.scale) + " " +
-                  std::to_string(placement.level));
+    std::string text =
+        reading + "\n" + placement.mode + " " + exact_text(placement.scale) + " " + std::to_string(placement.level);
+    if (placement.solved_level != placement.level) text += " seen on " + std::to_string(placement.solved_level);
+    return digest(text);
 }
 
 /// A file that is larger than anything that would be accepted is refused before all of it is read.

@@ -244,6 +244,25 @@ TEST(Study, APresetChangesTheSolverAndNotHowTheFilesWereRead) {
     EXPECT_NE(settings["level"], "4");
 }
 
+TEST(Study, NotesAreAboutTheGridOfTheLastRun) {
+    const TemporaryFolder folder;
+    std::string ring = "P5 200 200 255\n";
+    for (int i = 0; i < 200 * 200; ++i) {
+        const double r = std::hypot(i % 200 - 99.5, i / 200 - 99.5);
+        ring += static_cast<char>(82 < r && r < 90 ? 0 : 255);
+    }
+    write_file(folder / "rings" / "ring.pgm", ring);
+    const auto notes_on = [&](const std::string& level) {
+        const Outcome done = morphodesic({"ingest", (folder / "rings").string(), "--level", level, "--json"});
+        EXPECT_EQ(done.code, 0) << done.err;
+        return json::parse(done.out)["notes"].dump();
+    };
+    const std::string torn = "On the grid of level 4 it has";  // half a cell wide there
+    EXPECT_THAT(notes_on("4"), testing::AllOf(HasSubstr(torn), HasSubstr("instead of 1 part and 1 hole")));
+    EXPECT_EQ(notes_on("6"), "[]");
+    EXPECT_THAT(notes_on("4"), HasSubstr(torn));
+}
+
 TEST(Study, TheFourStepsGiveTheSameAsRun) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 3);
