@@ -25,7 +25,9 @@ std::string counted(int count, const std::string& what) {
     return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-/// What a grid makes of the parts of a shape, with what to do; empty if it has them all.
+/// What a grid makes of the parts of a shape, with what to do; empty if it has them all. Parts and holes are those of
+/// the triangulated grid, as in the tables of paths: nodes that touch across one of the two diagonals of a cell are
+/// apart.
 template <int Dim>
 std::string note_on_topology(const RawShape<Dim>& raw, const LevelSet<Dim>& u, const std::string& remedy) {
     if (raw.components == 0) return {};
@@ -126,8 +128,12 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     shape.volume = raw.volume * std::pow(placement.scale, Dim);
     const std::string finer =
         options.mode == "each" ? "use a finer --level" : "use a finer --level or --normalize each";
-    const double depth = *std::max_element(shape.level_set.values.begin(), shape.level_set.values.end());
-    if (!(depth > 0.0)) {
+    const int solved_level = options.solved_level > 0 ? std::min(options.solved_level, options.level) : options.level;
+    LevelSet<Dim> coarser;
+    if (solved_level < options.level) coarser = restricted(shape.level_set, solved_level);
+    const LevelSet<Dim>& seen = solved_level < options.level ? coarser : shape.level_set;
+    const auto depth_of = [](const LevelSet<Dim>& u) { return *std::max_element(u.values.begin(), u.values.end()); };
+    if (!(depth_of(seen) > 0.0)) {
         throw ReadError(raw.source.path, "at this scale no node of the grid lies in the shape",
                         finer + ", or leave the shape out");
     }
@@ -136,11 +142,10 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
         throw ReadError(raw.source.path, "at this scale the whole shape is smaller than a cell of the grid",
                         finer + ", or leave the shape out");
     }
-    const int solved_level = options.solved_level > 0 ? std::min(options.solved_level, options.level) : options.level;
-    if (depth < DyadicGrid<Dim>(solved_level).spacing()) {
+    if (depth_of(shape.level_set) < seen.grid.spacing()) {
         shape.notes.push_back("Thinner than two cells of the grid everywhere: " + finer + ".");
     }
-    const std::string topology = note_on_topology(raw, restricted(shape.level_set, solved_level), finer);
+    const std::string topology = note_on_topology(raw, seen, finer);
     if (!topology.empty()) shape.notes.push_back(topology);
     shape.digest = content_digest<Dim>(shape.level_set, shape.occlusion_mask);
     return shape;

@@ -17,7 +17,6 @@
 #include "geodesic/solver/partial_alignment.h"
 #include "geodesic/solver/path_minimizer.h"
 #include "geodesic/solver/path_window.h"
-#include "geodesic/solver/volume_constraint.h"
 
 namespace morphodesic {
 
@@ -25,8 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The search for the best start happens from this level on, with at most so many time steps; after it the winner gets
-// at most so many until one level is left.
+// The search for the best start happens from this level on, with at most so many time steps; at its end the
+// finalists get at most so many until one level is left.
 constexpr int start_level = 4;
 constexpr int search_steps = 2, settled_steps = 4;
 // From so many time steps on, what one iteration gains shrinks with their number, and so must the tolerance.

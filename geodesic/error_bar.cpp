@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geodesic/solver/volume_constraint.h"
 
@@ -23,17 +24,20 @@ double share_in_time(const std::vector<LevelReport>& levels) {
     return 0.0;
 }
 
-/// How much of the length the last halving of the grid changed that the change with the rim alone does not predict.
-/// Both solves have the same time steps and the wide rim; 0 where the cascade has no such pair.
-double change_unseen_by_rim(const std::vector<LevelReport>& levels, double predicted) {
-    for (std::size_t i = levels.size(); i-- > 1;) {
-        const LevelReport &before = levels[i - 1], &after = levels[i];
-        if (after.level == levels.back().level && before.level + 1 == after.level &&
-            before.time_steps == after.time_steps && before.rim_width == after.rim_width) {
-            return std::abs(after.path_length - before.path_length - predicted);
+/// Change of the length by the last halving of the grid, both solves with the wide rim and the time steps that the
+/// level before the last ended with; nothing if the cascade has no such pair.
+std::optional<double> change_by_grid(const std::vector<LevelReport>& levels) {
+    const LevelReport *before = nullptr, *after = nullptr;
+    for (const LevelReport& report : levels) {
+        if (report.level + 1 == levels.back().level) {
+            before = &report;
+        } else if (before && report.time_steps == before->time_steps && report.rim_width == before->rim_width) {
+            after = &report;
         }
     }
-    return 0.0;
+    if (!after) return {};
+    const double change = after->path_length - before->path_length;
+    return std::isfinite(change) ? std::optional(change) : std::nullopt;
 }
 
 }  // namespace
@@ -44,14 +48,16 @@ void add_error_bar(GeodesicResult<Dim>& result, double wide_length, double wide_
     const double length = result.path_length;
     const double factor = options.rim_width / (wide_rim - options.rim_width);
     const double by_rim = factor * (length - wide_length);
-    double rest = by_rim;
+    // What is left, and what the last halving of the grid should have changed.
+    double rest = by_rim, predicted = by_rim * wide_rim / options.rim_width;
     if (by_rim < 0) {
-        const double square = length * length + factor * (length * length - wide_length * wide_length);
-        rest = std::sqrt(std::max(0.0, square)) - length;
+        const double gained = wide_length * wide_length - length * length;
+        rest = std::sqrt(std::max(0.0, length * length - factor * gained)) - length;
+        predicted = wide_length - std::sqrt(wide_length * wide_length + factor * wide_rim / options.rim_width * gained);
     }
     result.extrapolated_length = length + rest;
-    const double in_space =
-        1.75 * std::abs(rest) + change_unseen_by_rim(result.levels, by_rim * wide_rim / options.rim_width);
+    const double unseen = std::abs(change_by_grid(result.levels).value_or(predicted) - predicted);
+    const double in_space = 1.75 * std::abs(rest) + unseen;
     const double left = (share_in_time(result.levels) + options.tolerance) * length;
     result.error = in_space + left;
     if (!(length > 0)) return;

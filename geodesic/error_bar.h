@@ -13,7 +13,8 @@ namespace morphodesic {
 /// little below one before the limit), what is left of the time steps, and what the tolerance leaves.
 ///
 /// The last halving of the grid halves the rim, too, and predicts the same change. By as much as it does not, the error
-/// is none of the rim: teeth of a leaf, gaps and holes that are smaller than a cell with either rim.
+/// is none of the rim: teeth of a leaf, gaps and holes that are smaller than a cell with either rim. Up to the level
+/// where the search ends these are solves of two time steps and a loose tolerance, of which some of this remains.
 ///
 /// Long steps rather leave a part d of the way to the mismatch, eta c d^2. Where the sum of both is least,
 /// E = l (l + d), so d = E / l - l (too much where the mismatch saturates; E without the area term). All of it

@@ -64,7 +64,7 @@ const std::vector<Preset>& presets() {
     static const std::vector<Preset> all{
         {"fast",
          "level 5, 2 steps: a first look; 0.04 s of a core per 2D pair. Disks: 8 % short, extrapolated within 2 %;\n"
-         "            letters: error bars of 30 to 40 %; thin shapes that bend come out too long",
+         "            letters: error bars of 30 to 50 %; thin shapes that bend come out too long",
          5, 2, 1e-2, 3},
         {"standard",
          "level 6, 8 steps: for studies; 0.13 s of a core per 2D pair. Disks: 5 % short, extrapolated within 1.5 %", 6,

@@ -83,7 +83,7 @@ void take_preset(RunSettings& settings, const std::string& name);
 
 /// Level of the grid on which shapes are kept: in 3D that of the solver. In 2D one finer, as shapes are turned, and
 /// their corners are lost between the nodes (a letter is then three times nearer to itself), and from 7 to 10, so that
-/// pictures are smooth and a coarse study can go to finer levels without reading the files again.
+/// pictures are smooth and `geodesics` can take a coarse study to finer levels where the files are not at hand.
 [[nodiscard]] int shape_level(int dimension, const GeodesicOptions& options);
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of

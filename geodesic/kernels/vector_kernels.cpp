@@ -208,7 +208,7 @@ inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, c
     return any;
 }
 
-// What is public, compiled for several instruction sets.
+// What the public functions call, compiled for several instruction sets.
 MORPHODESIC_CLONES int squeezed_row(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
                                     const Strides<2>& stride, double inverse_h, double keep, unsigned char* flag) {
     return flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);

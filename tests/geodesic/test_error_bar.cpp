@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "geodesic/error_bar.h"
@@ -48,12 +49,44 @@ TEST(ErrorBar, AddsWhatOnlyTheGridChanges) {
     r = result_with_lengths(1.1, 1.0, 1.0);
     add_error_bar(r, 1.0, 1.0, false);
     EXPECT_NEAR(r.error, 0.1 + 1e-3, 1e-12);
-    // Solves with other time steps say nothing about the grid.
+    // Solves with other time steps or rims say nothing about the grid.
     r = result_with_lengths(0.9, 1.0, 1.0);
     r.levels[0].time_steps = 2;
-    r.levels[1].rim_width = 0.8;
     add_error_bar(r, 1.0, 1.0, false);
     EXPECT_NEAR(r.error, 0.1 + 1e-3, 1e-12) << "what is left of the time steps";
+    r = result_with_lengths(0.9, 1.0, 1.0);
+    r.levels[0].rim_width = 0.8;
+    add_error_bar(r, 1.0, 1.0, false);
+    EXPECT_NEAR(r.error, 1e-3, 1e-12);
+    r = result_with_lengths(std::numeric_limits<double>::infinity(), 1.0, 1.0);
+    add_error_bar(r, 1.0, 1.0, false);
+    EXPECT_NEAR(r.error, 1e-3, 1e-12);
+}
+
+TEST(ErrorBar, ExtrapolatesSquaresWhereTheTailsAreMovedAlong) {
+    // l^2 = 2 eps / h, as of a shape that moves with nothing but its tails.
+    auto r = result_with_lengths(2.0, std::sqrt(2.0), 1.0);
+    add_error_bar(r, std::sqrt(2.0), 1.0, false);
+    EXPECT_NEAR(r.extrapolated_length, 0.0, 1e-7);
+    EXPECT_NEAR(r.error, 1.75 + 1e-3, 1e-7);
+}
+
+TEST(ErrorBar, LeavesAPartToTheMismatchOfOneStepOrOfShapesOfOtherSizes) {
+    auto r = result_with_lengths(1.0, 1.0, 1.0);
+    r.options.time_steps = 1;
+    for (auto& level : r.levels) level.time_steps = 1;
+    r.mismatch_energy.assign(1, 0.01);  // times eta = 25: E = l^2 + 0.25
+    add_error_bar(r, 1.0, 1.0, false);
+    EXPECT_NEAR(r.error, 0.25 + 1e-3, 1e-12);
+    r = result_with_lengths(1.0, 1.0, 1.0);
+    r.mismatch_energy.assign(4, 0.01);  // E = l^2 + 4
+    add_error_bar(r, 1.0, 1.0, false);
+    EXPECT_NEAR(r.error, 1e-3, 1e-12) << "equal sizes";
+    r.shapes[1] = tests::ball<2>(5, 0.2 / std::sqrt(2.0));
+    add_error_bar(r, 1.0, 1.0, false);
+    EXPECT_NEAR(r.error, 0.5 * 4.0 + 1e-3, 0.02);
+    add_error_bar(r, 1.0, 1.0, true);
+    EXPECT_NEAR(r.error, 1e-3, 1e-12) << "sizes of what is hidden are not known";
 }
 
 /// A disk with teeth.
