@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "datasets/content_digest.h"
+#include "datasets/note_text.h"
 #include "datasets/read_error.h"
 #include "geodesic/grid/measures.h"
 #include "geodesic/grid/transfer.h"
@@ -15,14 +17,10 @@ namespace morphodesic::datasets {
 namespace {
 
 /// Two digits also of a small share, which is not to be read as none.
-std::string percent(double share) {
+std::string digits_of_percent(double share) {
     char text[32];
     std::snprintf(text, sizeof text, share < 0.01 ? "%.2g" : "%.1f", 100.0 * share);
     return text;
-}
-
-std::string counted(int count, const std::string& what) {
-    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 /// What a grid makes of the parts of a shape, with what to do; empty if it has them all. Parts and holes are those of
@@ -32,18 +30,19 @@ template <int Dim>
 std::string note_on_topology(const RawShape<Dim>& raw, const LevelSet<Dim>& u, const std::string& remedy) {
     if (raw.components == 0) return {};
     const ShapeMeasures seen = measure(u);
-    const bool counts_holes = Dim == 2 && raw.holes >= 0;
+    const bool counts_holes = raw.holes >= 0;
     const int holes = seen.components - seen.euler;
     if (counts_holes) {
         if (seen.components == raw.components && holes == raw.holes) return {};
     } else if (seen.components <= raw.components) {  // parts of a mesh may lie in one another
         return {};
     }
-    std::string found = counted(seen.components, "part"), given = std::to_string(raw.components);
-    if (counts_holes) {
-        found += " and " + counted(holes, "hole");
-        given = counted(raw.components, "part") + " and " + counted(raw.holes, "hole");
-    }
+    const auto parts = [](int n) { return count(static_cast<std::size_t>(n), "part"); };
+    const auto parts_and_holes = [&](int n, int m) {
+        return parts(n) + " and " + count(static_cast<std::size_t>(m), "hole");
+    };
+    const auto found = counts_holes ? parts_and_holes(seen.components, holes) : parts(seen.components);
+    const auto given = counts_holes ? parts_and_holes(raw.components, raw.holes) : std::to_string(raw.components);
     return "On the grid of level " + std::to_string(u.grid.level()) + " it has " + found + " instead of " + given +
            ", as some or gaps between them are thinner than its cells: " + remedy + ".";
 }
@@ -96,7 +95,8 @@ Placement<Dim> placement_of(const RawShape<Dim>& raw, const NormalizeOptions& op
             if (notes != nullptr) {
                 notes->push_back(std::string("Too long to have the ") + (Dim == 2 ? "area" : "volume") +
                                  " of the others in the cube: scaled to " +
-                                 percent(raw.volume * std::pow(fitting, Dim) / unit_volume<Dim>) + " % of it.");
+                                 digits_of_percent(raw.volume * std::pow(fitting, Dim) / unit_volume<Dim>) +
+                                 " % of it.");
             }
         }
     } else {
@@ -129,9 +129,9 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     const std::string finer =
         options.mode == "each" ? "use a finer --level" : "use a finer --level or --normalize each";
     const int solved_level = options.solved_level > 0 ? std::min(options.solved_level, options.level) : options.level;
-    LevelSet<Dim> coarser;
+    std::optional<LevelSet<Dim>> coarser;
     if (solved_level < options.level) coarser = restricted(shape.level_set, solved_level);
-    const LevelSet<Dim>& seen = solved_level < options.level ? coarser : shape.level_set;
+    const LevelSet<Dim>& seen = coarser ? *coarser : shape.level_set;
     const auto depth_of = [](const LevelSet<Dim>& u) { return *std::max_element(u.values.begin(), u.values.end()); };
     if (!(depth_of(seen) > 0.0)) {
         throw ReadError(raw.source.path, "at this scale no node of the grid lies in the shape",

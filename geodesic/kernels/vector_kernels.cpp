@@ -133,9 +133,9 @@ inline __attribute__((always_inline)) double least_corner_det(const double* cons
 }
 
 template <int Dim>
-inline __attribute__((always_inline)) int flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim],
-                                                        const float* const (&d)[Dim], const Strides<Dim>& stride,
-                                                        double inverse_h, double keep, unsigned char* __restrict flag) {
+MORPHODESIC_CLONES int flag_squeezed(std::ptrdiff_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
+                                     const Strides<Dim>& stride, double inverse_h, double keep,
+                                     unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         flag[i] = least_corner_det<Dim>(w, &d, stride, i, inverse_h) >= keep ? 0 : 1;
@@ -154,9 +154,8 @@ inline __attribute__((always_inline)) int flag_squeezed(std::ptrdiff_t cells, co
 }
 
 template <int Dim>
-inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const double* __restrict u,
-                                                     const Strides<Dim>& stride, double limit,
-                                                     unsigned char* __restrict flag) {
+MORPHODESIC_CLONES int flag_steep(std::ptrdiff_t cells, const double* __restrict u, const Strides<Dim>& stride,
+                                  double limit, unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         double least = u[i], most = u[i];
@@ -177,9 +176,8 @@ inline __attribute__((always_inline)) int flag_steep(std::ptrdiff_t cells, const
 }
 
 template <int Dim, class T>
-inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, const T* const (&w)[Dim],
-                                                         const Strides<Dim>& stride, T inverse_h, T limit,
-                                                         unsigned char* __restrict flag) {
+MORPHODESIC_CLONES int flag_stretched(std::ptrdiff_t cells, const T* const (&w)[Dim], const Strides<Dim>& stride,
+                                      T inverse_h, T limit, unsigned char* __restrict flag) {
     int any = 0;
     for (std::ptrdiff_t i = 0; i < cells; ++i) {
         T longest = 0;  // squares, in units of h
@@ -206,40 +204,6 @@ inline __attribute__((always_inline)) int flag_stretched(std::ptrdiff_t cells, c
         any |= stretched;
     }
     return any;
-}
-
-// What the public functions call, compiled for several instruction sets.
-MORPHODESIC_CLONES int squeezed_row(std::ptrdiff_t cells, const double* const (&w)[2], const float* const (&d)[2],
-                                    const Strides<2>& stride, double inverse_h, double keep, unsigned char* flag) {
-    return flag_squeezed<2>(cells, w, d, stride, inverse_h, keep, flag);
-}
-MORPHODESIC_CLONES int steep_row(std::ptrdiff_t cells, const double* u, const Strides<2>& stride, double limit,
-                                 unsigned char* flag) {
-    return flag_steep<2>(cells, u, stride, limit, flag);
-}
-MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const double* const (&w)[2], const Strides<2>& stride,
-                                     double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched<2, double>(cells, w, stride, inverse_h, limit, flag);
-}
-MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const float* const (&w)[2], const Strides<2>& stride,
-                                     float inverse_h, float limit, unsigned char* flag) {
-    return flag_stretched<2, float>(cells, w, stride, inverse_h, limit, flag);
-}
-MORPHODESIC_CLONES int squeezed_row(std::ptrdiff_t cells, const double* const (&w)[3], const float* const (&d)[3],
-                                    const Strides<3>& stride, double inverse_h, double keep, unsigned char* flag) {
-    return flag_squeezed<3>(cells, w, d, stride, inverse_h, keep, flag);
-}
-MORPHODESIC_CLONES int steep_row(std::ptrdiff_t cells, const double* u, const Strides<3>& stride, double limit,
-                                 unsigned char* flag) {
-    return flag_steep<3>(cells, u, stride, limit, flag);
-}
-MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const double* const (&w)[3], const Strides<3>& stride,
-                                     double inverse_h, double limit, unsigned char* flag) {
-    return flag_stretched<3, double>(cells, w, stride, inverse_h, limit, flag);
-}
-MORPHODESIC_CLONES int stretched_row(std::ptrdiff_t cells, const float* const (&w)[3], const Strides<3>& stride,
-                                     float inverse_h, float limit, unsigned char* flag) {
-    return flag_stretched<3, float>(cells, w, stride, inverse_h, limit, flag);
 }
 
 }  // namespace
@@ -302,19 +266,19 @@ double differences(std::span<HalfFloat> s, std::span<const double> x, std::span<
 template <int Dim>
 bool squeezed_cells(std::size_t cells, const double* const (&w)[Dim], const float* const (&d)[Dim],
                     const Strides<Dim>& stride, double inverse_h, double keep, unsigned char* flag) {
-    return squeezed_row(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
+    return flag_squeezed<Dim>(static_cast<std::ptrdiff_t>(cells), w, d, stride, inverse_h, keep, flag) != 0;
 }
 
 template <int Dim>
 bool steep_cells(std::size_t cells, const double* u, const Strides<Dim>& stride, double limit, unsigned char* flag) {
-    return steep_row(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
+    return flag_steep<Dim>(static_cast<std::ptrdiff_t>(cells), u, stride, limit, flag) != 0;
 }
 
 template <int Dim, class T>
 bool stretched_cells(std::size_t cells, const T* const (&w)[Dim], const Strides<Dim>& stride, double inverse_h,
                      double limit, unsigned char* flag) {
-    return stretched_row(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<T>(inverse_h),
-                         static_cast<T>(limit), flag) != 0;
+    return flag_stretched<Dim, T>(static_cast<std::ptrdiff_t>(cells), w, stride, static_cast<T>(inverse_h),
+                                  static_cast<T>(limit), flag) != 0;
 }
 
 #define MORPHODESIC_INSTANTIATE(Dim)                                                                                  \
