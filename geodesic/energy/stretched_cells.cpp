@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/kernels/heaviside_kernel.h"
+#include "geodesic/kernels/sampled_mismatch.h"
 #include "geodesic/kernels/vector_kernels.h"
 
 namespace morphodesic {
@@ -35,19 +35,11 @@ constexpr double far_away = 4.0;
 // Cells that are stretched beyond any sense have infinite energies elsewhere.
 constexpr double most_stretch = 1e3;
 
-/// One cell of a time step: corner values, w in units of h.
-template <int Dim>
-struct Cell {
-    static constexpr int corners = 1 << Dim;
-    std::size_t node;  // its first one
-    typename DyadicGrid<Dim>::Index low;
-    double w[Dim][corners], u[corners], chi[corners];
-};
-
 template <int Dim, class T>
 class StretchedMismatch {
 public:
     static constexpr int corners = 1 << Dim;
+    using Cell = kernels::SampledCell<Dim, T>;
 
     StretchedMismatch(const DyadicGrid<Dim>& grid, const kernels::StepFields<Dim, T>& fields,
                       const kernels::StepWeights& weights, const kernels::StepGradients<Dim, T>& gradients)
@@ -73,15 +65,23 @@ public:
                 return kernels::stretched_cells<Dim, T>(static_cast<std::size_t>(grid_.cells(0)), w, stride,
                                                         grid_.cells_per_unit(), onset_.from, flags);
             },
-            [&](std::size_t cell) { sum += difference(load(cell)); });
+            [&](std::size_t cell) { sum += difference(cell, load(cell)); });
         return sum;
     }
 
 private:
-    Cell<Dim> load(std::size_t node) const {
-        Cell<Dim> cell{};
-        cell.node = node;
-        cell.low = grid_.node(node);
+    Cell load(std::size_t node) const {
+        Cell cell{};
+        const auto low = grid_.node(node);
+        cell.eps = s_.eps;
+        cell.u_next = f_.u_next;
+        cell.begin = first_row_;
+        for (int a = 0; a < Dim; ++a) {
+            cell.cells[a] = grid_.cells(a);
+            cell.low[a] = low[static_cast<std::size_t>(a)];
+            std::tie(cell.first[a], cell.last[a]) =
+                a == Dim - 1 ? std::pair(f_.u_next_first_row, f_.u_next_last_row) : std::pair(0, grid_.cells(a));
+        }
         for (int c = 0; c < corners; ++c) {
             const std::size_t at = node + corner_[static_cast<std::size_t>(c)];
             for (int a = 0; a < Dim; ++a)
@@ -99,7 +99,7 @@ private:
         double edge[Dim] = {};     // as a vector
         bool sensible = true;
     };
-    static Stretch stretch_of(const Cell<Dim>& cell) {
+    static Stretch stretch_of(const Cell& cell) {
         Stretch s;
         for (int axis = 0; axis < Dim; ++axis) {
             for (int c = 0; c < corners; ++c) {
@@ -122,19 +122,18 @@ private:
     }
 
     /// Least and largest value of u_k at the nodes around the deformed cell: between them it is in the cell.
-    std::pair<double, double> range_there(const Cell<Dim>& cell) const {
+    std::pair<double, double> range_there(const Cell& cell) const {
         typename DyadicGrid<Dim>::Index low{}, high{};
         for (int a = 0; a < Dim; ++a) {
             const auto at = static_cast<std::size_t>(a);
             double least = 1e300, most = -1e300;
             for (int c = 0; c < corners; ++c) {
-                const double y = cell.low[at] + ((c >> a) & 1) + cell.w[a][c];
+                const double y = cell.low[a] + ((c >> a) & 1) + cell.w[a][c];
                 least = std::min(least, y);
                 most = std::max(most, y);
             }
-            const auto [first, last] = range(a);
-            low[at] = static_cast<int>(std::clamp(std::floor(least), 1.0 * first, 1.0 * last));
-            high[at] = static_cast<int>(std::clamp(std::ceil(most), 1.0 * first, 1.0 * last));
+            low[at] = static_cast<int>(std::clamp(std::floor(least), 1.0 * cell.first[a], 1.0 * cell.last[a]));
+            high[at] = static_cast<int>(std::clamp(std::ceil(most), 1.0 * cell.first[a], 1.0 * cell.last[a]));
         }
         double least = 1e300, most = -1e300;
         for (auto i = low; i[Dim - 1] <= high[Dim - 1];) {
@@ -146,118 +145,52 @@ private:
         return {least, most};
     }
 
-    /// First and last node of u_k along an axis that points may lie between.
-    std::pair<int, int> range(int axis) const {
-        if (axis == Dim - 1) return {f_.u_next_first_row, f_.u_next_last_row};
-        return {0, grid_.cells(axis)};
-    }
-
     /// Whether H_eps(u_k o phi) - H_eps(u_{k-1}) may vary in the cell by so much that it matters where points are.
-    bool may_vary(const Cell<Dim>& cell) const {
+    bool may_vary(const Cell& cell) const {
         const auto [least, most] = range_there(cell);
         const auto [least_here, most_here] = std::minmax_element(cell.u, cell.u + corners);
         const double far = far_away * s_.eps;
         if (std::min(least, *least_here) > far || std::max(most, *most_here) < -far) return false;
-        const auto h = [&](double u) { return smooth_heaviside(u, s_.eps); };
-        const double a = h(least), b = h(most), c = h(*least_here), d = h(*most_here);
-        return ((b - a) + (d - c)) * std::max(b - c, d - a) > least_variation;
+        const std::array<double, 4> u{least, most, *least_here, *most_here};
+        std::array<double, 4> h;
+        kernels::smooth_heaviside(u, s_.eps, h);
+        return ((h[1] - h[0]) + (h[3] - h[2])) * std::max(h[1] - h[2], h[3] - h[0]) > least_variation;
     }
 
-    struct Gradient {
-        double w[Dim][corners] = {}, u[corners] = {};
-    };
-
-    /// A point of a cell, and the place in the grid it moves to.
-    struct Sample {
-        Point<Dim> here, there;  // within their cells
-        std::size_t node;        // first one of the cell it moves to
-        double factor;           // its share of the sum, chi included
-    };
-    /// Samples of a cell; u_{k-1} at all of them, then u_k, then the same of H_eps. Kept, since cells are many.
+    /// Points of a cell and what they count. Kept, since cells are many.
     struct Samples {
-        std::vector<Sample> points;
-        std::vector<double> u, h;
+        std::vector<double> x[Dim], factor;
     };
-
-    /// @return u_{k-1} and u_k at a point
-    std::pair<double, double> add_sample(const Cell<Dim>& cell, const Point<Dim>& x, double factor,
-                                         Samples& samples) const {
-        Sample sample{x, {}, 0, factor};
-        double u = 0.0, chi = 0.0, there = 0.0;
-        auto& y = sample.there;
-        for (std::size_t a = 0; a < Dim; ++a) y[a] = cell.low[a] + x[a];
-        for (int c = 0; c < corners; ++c) {
-            const double share = q1::shape<Dim>(c, x);
-            u += share * cell.u[c];
-            chi += share * cell.chi[c];
-            for (int a = 0; a < Dim; ++a) y[static_cast<std::size_t>(a)] += share * cell.w[a][c];
-        }
-        sample.factor *= chi;
-        typename DyadicGrid<Dim>::Index low;
-        for (std::size_t a = 0; a < Dim; ++a) {
-            const auto [first, last] = range(static_cast<int>(a));
-            y[a] = std::clamp(y[a], 1.0 * first, 1.0 * last);
-            low[a] = std::min(static_cast<int>(y[a]), last - 1);
-            y[a] -= low[a];
-        }
-        sample.node = grid_.index(low);
-        for (int c = 0; c < corners; ++c) there += q1::shape<Dim>(c, y) * next(sample.node, c);
-        samples.points.push_back(sample);
-        return {u, there};
-    }
-    double next(std::size_t node, int corner) const {
-        return static_cast<double>(f_.u_next[node + corner_[static_cast<std::size_t>(corner)]]);
-    }
-
-    /// The gradient of factor d^2 at a sample, d = H_eps(u_k o phi) - H_eps(u_{k-1}).
-    void add_gradient(const Sample& sample, double d, double u, double there, Gradient& gradient) const {
-        const double force = 2.0 * sample.factor * d * smooth_delta(there, s_.eps);
-        const double back = 2.0 * sample.factor * d * smooth_delta(u, s_.eps);
-        double slope[Dim] = {};
-        for (int c = 0; c < corners; ++c) {
-            const double v = next(sample.node, c);
-            for (int a = 0; a < Dim; ++a) slope[a] += q1::shape_slope<Dim>(c, sample.there, a) * v;
-        }
-        for (int c = 0; c < corners; ++c) {
-            const double share = q1::shape<Dim>(c, sample.here);
-            for (int a = 0; a < Dim; ++a) gradient.w[a][c] += force * slope[a] * share;
-            gradient.u[c] -= back * share;
-            if (!g_.u_next) continue;
-            const std::size_t at = sample.node + corner_[static_cast<std::size_t>(c)] - first_row_;
-            g_.u_next[at] += static_cast<T>(scale_ * force * q1::shape<Dim>(c, sample.there));
-        }
-    }
 
     /// Fills the samples of a cell: a dense grid of points, by its stretch along each axis, less those of the rule.
-    void take_samples(const Cell<Dim>& cell, const Stretch& stretch, double weight, Samples& samples) const {
+    void take_samples(const Stretch& stretch, double weight, Samples& samples) const {
         typename DyadicGrid<Dim>::Index count, i{};
-        int points = 1;
+        Point<Dim> width;
+        std::size_t points = 1;
         const double eps_per_cell = grid_.spacing() / s_.eps;
         for (std::size_t a = 0; a < Dim; ++a) {
             const double wanted = std::ceil(points_per_eps * eps_per_cell * std::sqrt(stretch.along[a]));
             count[a] = std::clamp(static_cast<int>(wanted), least_points, most_points);
-            points *= count[a];
+            points *= static_cast<std::size_t>(count[a]);
+            width[a] = 1.0 / count[a];
         }
         const auto rule = kernels::quadrature_points<Dim>(s_.quadrature);
-        const std::size_t total = static_cast<std::size_t>(points) + rule.size();
-        samples.points.clear();
-        samples.u.resize(2 * total);
-        samples.h.resize(2 * total);
-        const auto add = [&](const Point<Dim>& x, double factor) {
-            const std::size_t at = samples.points.size();
-            std::tie(samples.u[at], samples.u[total + at]) = add_sample(cell, x, factor, samples);
-        };
-        for (int p = 0; p < points; ++p) {
-            Point<Dim> x;
-            for (std::size_t a = 0; a < Dim; ++a) x[a] = (i[a] + 0.5) / count[a];
-            add(x, weight / points);
+        constexpr std::size_t lanes = kernels::sample_lanes;
+        const std::size_t total = (points + rule.size() + lanes - 1) / lanes * lanes;
+        for (auto& x : samples.x) x.assign(total, 0.5);  // those that fill up the last lanes count nothing
+        samples.factor.assign(total, 0.0);
+        std::fill_n(samples.factor.begin(), points, weight / static_cast<double>(points));
+        for (std::size_t p = 0; p < points; ++p) {
+            for (std::size_t a = 0; a < Dim; ++a) samples.x[a][p] = (i[a] + 0.5) * width[a];
             for (std::size_t a = 0; a < Dim && ++i[a] == count[a]; ++a) i[a] = 0;
         }
-        for (const auto& x : rule) add(x, -weight / static_cast<double>(rule.size()));
-        kernels::smooth_heaviside(samples.u, s_.eps, samples.h);
+        for (std::size_t q = 0; q < rule.size(); ++q) {
+            for (std::size_t a = 0; a < Dim; ++a) samples.x[a][points + q] = rule[q][a];
+            samples.factor[points + q] = -weight / static_cast<double>(rule.size());
+        }
     }
 
-    double difference(const Cell<Dim>& cell) const {
+    double difference(std::size_t node, const Cell& cell) const {
         const Stretch stretch = stretch_of(cell);
         const double from = onset_.from * onset_.from, to = onset_.to * onset_.to;
         const double t = std::clamp((stretch.longest - from) / (to - from), 0.0, 1.0);
@@ -265,29 +198,24 @@ private:
         if (!stretch.sensible || weight == 0.0 || !may_vary(cell)) return 0.0;
 
         static thread_local Samples samples;
-        take_samples(cell, stretch, weight, samples);
-        Gradient gradient;
-        double sum = 0.0;
-        const std::size_t total = samples.points.size();
-        for (std::size_t p = 0; p < total; ++p) {
-            const double d = samples.h[total + p] - samples.h[p];
-            sum += samples.points[p].factor * d * d;
-            if (with_gradient_) add_gradient(samples.points[p], d, samples.u[p], samples.u[total + p], gradient);
-        }
-        if (!with_gradient_) return volume_ * sum;
+        take_samples(stretch, weight, samples);
+        kernels::SamplePoints<Dim> points{samples.factor.size(), {}, samples.factor.data()};
+        for (std::size_t a = 0; a < Dim; ++a) points.x[a] = samples.x[a].data();
+        auto sums = kernels::sampled_mismatch<Dim, T>(cell, points, with_gradient_, scale_, g_.u_next);
+        if (!with_gradient_) return volume_ * sums.mismatch;
         for (int a = 0; a < Dim; ++a) {
-            const double pull = sum / weight * weight_slope * 2.0 * stretch.edge[a];
-            gradient.w[a][stretch.corner] -= pull;
-            gradient.w[a][stretch.corner | (1 << stretch.axis)] += pull;
+            const double pull = sums.mismatch / weight * weight_slope * 2.0 * stretch.edge[a];
+            sums.w[a][stretch.corner] -= pull;
+            sums.w[a][stretch.corner | (1 << stretch.axis)] += pull;
         }
         for (int c = 0; c < corners; ++c) {
-            const std::size_t at = cell.node + corner_[static_cast<std::size_t>(c)];
+            const std::size_t at = node + corner_[static_cast<std::size_t>(c)];
             for (int a = 0; a < Dim; ++a) {
-                g_.displacement[a][at] += static_cast<T>(scale_ * grid_.cells_per_unit() * gradient.w[a][c]);
+                g_.displacement[a][at] += static_cast<T>(scale_ * grid_.cells_per_unit() * sums.w[a][c]);
             }
-            if (g_.u_previous) g_.u_previous[at] += static_cast<T>(scale_ * gradient.u[c]);
+            if (g_.u_previous) g_.u_previous[at] += static_cast<T>(scale_ * sums.u[c]);
         }
-        return volume_ * sum;
+        return volume_ * sums.mismatch;
     }
 
     const DyadicGrid<Dim>& grid_;

@@ -17,14 +17,20 @@ void for_indices(int begin, int end, const Body& body) {
     oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(begin, end, body); });
 }
 
-/// body(i) for every node, in parallel over the rows of axis 0. A waiting thread does not wander into other work.
+/// body(first node) for every row of nodes along axis 0, in parallel. A waiting thread does not wander into other work.
 template <int Dim, class Body>
-void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
+void for_rows(const DyadicGrid<Dim>& grid, const Body& body) {
     const auto n = static_cast<std::size_t>(grid.nodes(0));
     oneapi::tbb::this_task_arena::isolate([&] {
-        oneapi::tbb::parallel_for(std::size_t{0}, grid.node_count() / n, [&](std::size_t row) {
-            for (std::size_t i = row * n; i < (row + 1) * n; ++i) body(i);
-        });
+        oneapi::tbb::parallel_for(std::size_t{0}, grid.node_count() / n, [&](std::size_t row) { body(row * n); });
+    });
+}
+
+/// body(i) for every node, in parallel over the rows.
+template <int Dim, class Body>
+void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
+    for_rows(grid, [&](std::size_t row) {
+        for (std::size_t i = row; i < row + static_cast<std::size_t>(grid.nodes(0)); ++i) body(i);
     });
 }
 

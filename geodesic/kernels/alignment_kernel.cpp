@@ -21,7 +21,6 @@ template <int Dim>
 void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& sums) {
     constexpr int unknowns = motion_unknowns<Dim>, angles = unknowns - Dim, corners = 1 << Dim;
     const hn::CappedTag<double, 8> d;
-    const hn::RebindToSigned<decltype(d)> di;
     using Values = V<decltype(d)>;
     const NodeDistances<Dim> nodes(row.cells);
     const Values zero = hn::Zero(d), one = all(d, 1.0), inverse_eps = all(d, 1.0 / row.eps);
@@ -42,16 +41,15 @@ void AddRow(const AlignmentRow<Dim>& row, bool derivatives, AlignmentSums<Dim>& 
     for (std::size_t i = 0; i < row.count; i += lanes) {
         const Values index = hn::Iota(d, static_cast<double>(i));
         const auto exists = hn::Lt(index, all(d, static_cast<double>(row.count)));
-        Values fraction[Dim], beyond = zero;
-        auto node = hn::Zero(di);
+        Values inside[Dim], fraction[Dim], beyond = zero;
         for (int a = 0; a < Dim; ++a) {
             const Values place = hn::MulAdd(index, all(d, row.step[a]), all(d, row.first[a]));
-            const Values inside = hn::Min(hn::Max(place, zero), all(d, row.cells[a]));
-            const Values over = hn::Sub(place, inside), cell = hn::Min(hn::Floor(inside), all(d, row.cells[a] - 1));
+            inside[a] = hn::Min(hn::Max(place, zero), all(d, row.cells[a]));
+            const Values over = hn::Sub(place, inside[a]);
             beyond = hn::MulAdd(over, over, beyond);
-            fraction[a] = hn::Sub(inside, cell);
-            node = hn::Add(node, hn::Mul(hn::ConvertTo(di, cell), hn::Set(di, nodes.axis[a])));
         }
+        const auto node =
+            hn::ConvertTo(hn::RebindToSigned<decltype(d)>(), cells_at<Dim>(d, nodes, row.cells, inside, fraction));
         Values v[corners], slope[Dim];
         for (int c = 0; c < corners; ++c) v[c] = hn::GatherIndex(d, row.field + nodes.corner[c], node);
         const Values u = hn::NegMulAdd(hn::Sqrt(beyond), all(d, row.spacing), multilinear<Dim>(d, v, fraction, slope));

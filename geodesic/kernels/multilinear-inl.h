@@ -7,6 +7,8 @@
 #endif
 
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 #include "geodesic/kernels/vectors-inl.h"
 #include "hwy/highway.h"
@@ -29,6 +31,31 @@ struct NodeDistances {
         }
     }
 };
+
+/// The first nodes (whole numbers) of the cells that hold the places `inside`, in units of h and in the grid, and the
+/// places in them. In double precision.
+template <int Dim, class D>
+HWY_INLINE V<D> cells_at(D d, const NodeDistances<Dim>& nodes, const int (&cells)[Dim], const V<D> (&inside)[Dim],
+                         V<D> (&fraction)[Dim]) {
+    V<D> node = hn::Zero(d);
+    for (int a = 0; a < Dim; ++a) {
+        const V<D> cell = hn::Min(hn::Floor(inside[a]), all(d, cells[a] - 1));
+        fraction[a] = hn::Sub(inside[a], cell);
+        node = hn::MulAdd(cell, all(d, static_cast<double>(nodes.axis[a])), node);
+    }
+    return node;
+}
+
+/// Values of a field, in single or double precision, at nodes, which are given as cells_at() does.
+template <class D, class FieldT>
+HWY_INLINE V<D> gather(D d, const FieldT* field, V<D> node) {
+    if constexpr (std::is_same_v<FieldT, double>) {
+        return hn::GatherIndex(d, field, hn::ConvertTo(hn::RebindToSigned<D>(), node));
+    } else {
+        const hn::Rebind<float, D> single;
+        return hn::PromoteTo(d, hn::GatherIndex(single, field, hn::DemoteTo(hn::Rebind<std::int32_t, D>(), node)));
+    }
+}
 
 /// Value and gradient (in units of 1 / h) of the multilinear function with corner values v at a point of the cell.
 template <int Dim, class D>

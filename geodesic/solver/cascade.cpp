@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "geodesic/energy/heaviside.h"
 #include "geodesic/grid/injectivity.h"
 #include "geodesic/grid/node_loop.h"
-#include "geodesic/grid/q1_element.h"
 #include "geodesic/grid/transfer.h"
+#include "geodesic/kernels/heaviside_kernel.h"
+#include "geodesic/solver/row_places.h"
 
 namespace morphodesic {
 
@@ -25,33 +25,24 @@ std::array<double*, Dim> displacement_of(PathState<Dim>& path, int k) {
 }
 
 template <int Dim>
-Point<Dim> displacement_at(const PathState<Dim>& path, int k, const std::type_identity_t<Point<Dim>>& x) {
-    std::array<const double*, Dim> fields;
-    for (int a = 0; a < Dim; ++a) fields[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
-    return q1::values<Dim, Dim>(path.layout.grid, fields, x);
+std::array<const double*, Dim> fields_of(const PathState<Dim>& path, int k) {
+    std::array<const double*, Dim> w;
+    for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
+    return w;
 }
 
-/// Solves x + share w_k(x) = y to a thousandth of a cell by damped fixed point iteration; `x` is the start and the
-/// result.
+/// Solves x + share w_k(x) = y for the places y of a row to a thousandth of a cell, from y - share w_k(y) on.
+/// @param row  first node of the row; y are its nodes
 template <int Dim>
-void invert_at(const PathState<Dim>& path, int k, double share, const std::type_identity_t<Point<Dim>>& y,
-               std::type_identity_t<Point<Dim>>& x) {
-    const double near_enough = 1e-3 * path.layout.grid.spacing();
-    double last = 1e300;
-    double damping = 1.0;
-    for (int iteration = 0; iteration < 60; ++iteration) {
-        const auto w = displacement_at(path, k, x);
-        double change = 0.0;
-        Point<Dim> step{};
-        for (std::size_t a = 0; a < Dim; ++a) {
-            step[a] = y[a] - share * w[a] - x[a];
-            change = std::max(change, std::abs(step[a]));
-        }
-        if (change > last) damping = std::max(0.25, 0.5 * damping);
-        last = change;
-        for (std::size_t a = 0; a < Dim; ++a) x[a] = std::clamp(x[a] + damping * step[a], 0.0, 1.0);
-        if (change < near_enough) break;
+RowPlaces<Dim> taken_back(const PathState<Dim>& path, int k, double share, std::size_t row, RowPlaces<Dim>& y) {
+    const auto w = fields_of(path, k);
+    const int per_unit = path.layout.grid.cells_per_unit();
+    RowPlaces<Dim> x = y;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        for (std::size_t i = 0; i < x.count(); ++i) x[a][i] -= share * per_unit * w[a][row + i];
     }
+    x.solve(y, w, per_unit, share, 1e-3, 60);
+    return x;
 }
 
 }  // namespace
@@ -98,25 +89,24 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             std::copy(after, after + grid.node_count(),
                       fine.x.begin() + static_cast<std::ptrdiff_t>(fine.layout.level_set(2 * k)));
         double* between = fine.x.data() + fine.layout.level_set(2 * k - 1);
-        for_nodes(grid, [&](std::size_t i) {
-            const auto y = grid.position(grid.node(i));
-            Point<Dim> here{}, x = y;
-            for (int a = 0; a < Dim; ++a)
-                here[static_cast<std::size_t>(a)] = path.x[path.layout.displacement(k, a) + i];
-            for (std::size_t a = 0; a < Dim; ++a) x[a] = y[a] - 0.5 * here[a];
-            invert_at(path, k, 0.5, y, x);
-            const auto w = displacement_at(path, k, x);
-            Point<Dim> end{};
-            for (std::size_t a = 0; a < Dim; ++a) end[a] = x[a] + w[a];
-            // From both sides: carried along from the shape before, and pulled back from the shape after.
-            between[i] = 0.5 * (q1::value(grid, before, x) + q1::value(grid, after, end));
-            const bool fixed = grid.on_boundary(grid.node(i));
-            for (int a = 0; a < Dim; ++a) {
-                const auto c = static_cast<std::size_t>(a);
-                fine.x[fine.layout.displacement(2 * k - 1, a) + i] = 0.5 * here[c];
-                fine.x[fine.layout.displacement(2 * k, a) + i] = fixed ? 0.0 : 0.5 * w[c];
+        const auto w = fields_of(path, k);
+        for_rows(grid, [&](std::size_t row) {
+            RowPlaces<Dim> y(grid, row), x = taken_back(path, k, 0.5, row, y), end = x;
+            for (std::size_t a = 0; a < Dim; ++a) {
+                const double* moved = x.sample(w[a]);
+                double* half = fine.x.data() + fine.layout.displacement(2 * k - 1, static_cast<int>(a)) + row;
+                double* rest = fine.x.data() + fine.layout.displacement(2 * k, static_cast<int>(a)) + row;
+                for (std::size_t i = 0; i < x.count(); ++i) {
+                    half[i] = 0.5 * w[a][row + i];
+                    rest[i] = 0.5 * moved[i];
+                    end[a][i] += moved[i] * grid.cells_per_unit();
+                }
             }
+            // From both sides: carried along from the shape before, and pulled back from the shape after.
+            const double *carried = x.sample(before), *pulled = end.sample(after);
+            for (std::size_t i = 0; i < x.count(); ++i) between[row + i] = 0.5 * (carried[i] + pulled[i]);
         });
+        for (double* field : displacement_of(fine, 2 * k)) clear_boundary(grid, field);
     }
     folds = repair_folds(fine);
     return fine;
@@ -145,46 +135,44 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     // Where the point at a node of frame k came from in frame 0, and where it goes to in frame K: as displacements, so
     // that interpolating them again and again does not blur the shapes.
     std::vector<VectorField<Dim>> origin(static_cast<std::size_t>(steps), VectorField<Dim>(grid)), target = origin;
-    const auto value_at = [&](const VectorField<Dim>& field, const Point<Dim>& x) {
-        std::array<const double*, Dim> fields;
-        for (std::size_t a = 0; a < Dim; ++a) fields[a] = field.components[a].data();
-        return q1::values<Dim, Dim>(grid, fields, x);
-    };
+    const int per_unit = grid.cells_per_unit();
     for (int k = 1; k < steps; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        for_nodes(grid, [&](std::size_t i) {
-            const auto y = grid.position(grid.node(i));
-            const auto here = displacement_at(path, k, y);
-            Point<Dim> x{};
-            for (std::size_t a = 0; a < Dim; ++a) x[a] = y[a] - here[a];
-            invert_at(path, k, 1.0, y, x);
-            const auto before = value_at(origin[at - 1], x);
-            for (std::size_t a = 0; a < Dim; ++a) origin[at].components[a][i] = x[a] - y[a] + before[a];
+        for_rows(grid, [&](std::size_t row) {
+            RowPlaces<Dim> y(grid, row), x = taken_back(path, k, 1.0, row, y);
+            for (std::size_t a = 0; a < Dim; ++a) {
+                const double* before = x.sample(origin[at - 1].components[a].data());
+                double* out = origin[at].components[a].data() + row;
+                for (std::size_t i = 0; i < x.count(); ++i) out[i] = (x[a][i] - y[a][i]) / per_unit + before[i];
+            }
         });
     }
     for (int k = steps - 1; k >= 1; --k) {
         const auto at = static_cast<std::size_t>(k);
-        for_nodes(grid, [&](std::size_t i) {
-            auto z = grid.position(grid.node(i));
-            for (int a = 0; a < Dim; ++a)
-                z[static_cast<std::size_t>(a)] += path.x[path.layout.displacement(k + 1, a) + i];
-            const auto after = k + 1 < steps ? value_at(target[at + 1], z) : Point<Dim>{};
-            for (int a = 0; a < Dim; ++a) {
-                const auto c = static_cast<std::size_t>(a);
-                target[at].components[c][i] = path.x[path.layout.displacement(k + 1, a) + i] + after[c];
-            }
-        });
-        const double t = static_cast<double>(k) / steps;
+        const auto w = fields_of(path, k + 1);
         double* u = path.x.data() + path.layout.level_set(k);
-        for_nodes(grid, [&](std::size_t i) {
-            auto from = grid.position(grid.node(i)), to = from;
+        const double t = static_cast<double>(k) / steps;
+        for_rows(grid, [&](std::size_t row) {
+            RowPlaces<Dim> z(grid, row), from = z, to = z;
             for (std::size_t a = 0; a < Dim; ++a) {
-                from[a] += origin[at].components[a][i];
-                to[a] += target[at].components[a][i];
+                for (std::size_t i = 0; i < z.count(); ++i) z[a][i] += w[a][row + i] * per_unit;
             }
-            const double w = (1 - t) * smooth_heaviside(q1::value(grid, first.values.data(), from), eps) +
-                             t * smooth_heaviside(q1::value(grid, last.values.data(), to), eps);
-            u[i] = eps * std::tan(std::numbers::pi * (w - 0.5));
+            for (std::size_t a = 0; a < Dim; ++a) {
+                const double* after = k + 1 < steps ? z.sample(target[at + 1].components[a].data()) : nullptr;
+                double* out = target[at].components[a].data() + row;
+                for (std::size_t i = 0; i < z.count(); ++i) {
+                    out[i] = w[a][row + i] + (after ? after[i] : 0.0);
+                    from[a][i] += origin[at].components[a][row + i] * per_unit;
+                    to[a][i] += out[i] * per_unit;
+                }
+            }
+            std::vector<double> carried(z.count()), pulled(z.count());
+            kernels::smooth_heaviside({from.sample(first.values.data()), z.count()}, eps, carried);
+            kernels::smooth_heaviside({to.sample(last.values.data()), z.count()}, eps, pulled);
+            for (std::size_t i = 0; i < z.count(); ++i) {
+                const double mean = (1 - t) * carried[i] + t * pulled[i];
+                u[row + i] = eps * std::tan(std::numbers::pi * (mean - 0.5));
+            }
         });
     }
 }

@@ -8,6 +8,7 @@
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/solver/mismatch_points.h"
+#include "geodesic/solver/row_places.h"
 
 namespace morphodesic {
 
@@ -15,6 +16,9 @@ namespace {
 
 // Squeezed and stretched cells of the background are taken as less so.
 constexpr float least_stretch = 0.25F, most_stretch = 4.0F;
+// Points are followed back to this part of a cell.
+constexpr double near_enough = 0.02;
+constexpr int most_iterations = 20;
 
 template <int Dim>
 using Matrix = Eigen::Matrix<float, Dim, Dim>;
@@ -24,8 +28,7 @@ float tamed_stretch(float stretch) {
 }
 
 template <int Dim>
-Matrix<Dim> tamed(const Matrix<Dim>& m) {
-    if (m.squaredNorm() < most_stretch && m.determinant() > least_stretch) return m;
+[[gnu::noinline]] Matrix<Dim> with_tamed_stretches(const Matrix<Dim>& m) {
     if (!m.allFinite()) return Matrix<Dim>::Identity();
     if constexpr (Dim == 2) {
         // A similarity and a similarity with a reflection, of sizes (s1 + s2) / 2 and (s1 - s2) / 2 for the singular
@@ -46,12 +49,10 @@ Matrix<Dim> tamed(const Matrix<Dim>& m) {
     }
 }
 
-template <int Dim, class T>
-float sample(const std::array<std::size_t, 1 << Dim>& corners, const CellPlace<Dim>& p, const T* field) {
-    const auto s = corner_shares<Dim>(p.fraction);
-    float sum = 0.0F;
-    for (std::size_t c = 0; c < (1 << Dim); ++c) sum += s[c] * static_cast<float>(field[p.node + corners[c]]);
-    return sum;
+template <int Dim>
+Matrix<Dim> tamed(const Matrix<Dim>& m) {
+    const bool is_tame = m.squaredNorm() < most_stretch && m.determinant() > least_stretch;  // most are
+    return is_tame ? m : with_tamed_stretches<Dim>(m);
 }
 
 /// Central differences of a field at a node, one-sided on the boundary.
@@ -77,36 +78,6 @@ void for_each_node(const DyadicGrid<Dim>& grid, const auto& body) {
         for (std::size_t a = 0; a < Dim && ++node[a] == grid.nodes(static_cast<int>(a)); ++a) node[a] = 0;
     }
 }
-/// phi_k^-1 at a position, by damped fixed point iteration to 2 % of a cell.
-template <int Dim>
-struct Preimage {
-    std::array<float, Dim> position;
-    CellPlace<Dim> place;
-};
-template <int Dim>
-Preimage<Dim> back_through(const DyadicGrid<Dim>& grid, const std::array<std::size_t, 1 << Dim>& corners,
-                           std::span<const double> x, const PathLayout<Dim>& layout, int k,
-                           const std::array<float, Dim>& target) {
-    const auto near_enough = 0.02F * static_cast<float>(grid.spacing());
-    Preimage<Dim> found{target, place_of<Dim>(grid, target)};
-    float last = 1e30F, damping = 1.0F;
-    for (int iteration = 0; iteration < 20; ++iteration) {
-        float change = 0.0F;
-        std::array<float, Dim> step;
-        for (std::size_t a = 0; a < Dim; ++a) {
-            step[a] = target[a] - found.position[a] -
-                      sample<Dim>(corners, found.place, x.data() + layout.displacement(k, static_cast<int>(a)));
-            change = std::max(change, std::abs(step[a]));
-        }
-        if (change < near_enough) break;
-        if (change > last) damping = std::max(0.25F, 0.5F * damping);
-        last = change;
-        for (std::size_t a = 0; a < Dim; ++a) found.position[a] += damping * step[a];
-        found.place = place_of<Dim>(grid, found.position);
-    }
-    return found;
-}
-
 /// grad u at the nodes, weighted by delta_eps^2 over the quadrature points around: what counts is the rim, and it is
 /// narrower than a cell. Far from the rim: central differences.
 template <int Dim>
@@ -175,27 +146,32 @@ void Trajectories<Dim>::update(const PathEnergy<Dim>& energy, std::span<const do
 template <int Dim>
 void Trajectories<Dim>::follow(std::span<const double> x) {
     const auto& grid = layout_.grid;
-    const auto corners = q1::corner_offsets(grid);
-    const auto h = static_cast<float>(grid.spacing());
+    const double h = grid.spacing(), fine_per_coarse = 1 << (grid.level() - coarse_.level());
     for (int k = 0; k < layout_.time_steps; ++k) {
         Frame& frame = frames_[static_cast<std::size_t>(k)];
         for (auto& c : frame.origin) c.assign(layout_.nodes(), 0.0F);
-        for_nodes(grid, [&](std::size_t i) {
-            std::array<float, Dim> here, y;
-            const auto node = grid.node(i);
-            for (std::size_t a = 0; a < Dim; ++a) here[a] = static_cast<float>(node[a]) * h;
-            y = here;
+        std::array<const double*, Dim> w{};
+        for (int a = 0; k > 0 && a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(k, a);
+        for_rows(grid, [&](std::size_t row) {
+            RowPlaces<Dim> here(grid, row), origin = here;
             if (k > 0) {
-                const auto there = back_through<Dim>(grid, corners, x, layout_, k, here);
-                const auto& before = frames_[static_cast<std::size_t>(k - 1)].origin;
+                RowPlaces<Dim> before = here;
+                before.solve(here, w, grid.cells_per_unit(), 1.0, near_enough, most_iterations);
                 for (std::size_t a = 0; a < Dim; ++a) {
-                    y[a] = there.position[a] + sample<Dim>(corners, there.place, before[a].data());
-                    frame.origin[a][i] = y[a] - here[a];
+                    const double* moved = before.sample(frames_[static_cast<std::size_t>(k - 1)].origin[a].data());
+                    for (std::size_t i = 0; i < here.count(); ++i) {
+                        const double move = (before[a][i] - here[a][i]) * h + moved[i];
+                        frame.origin[a][row + i] = static_cast<float>(move);
+                        origin[a][i] = here[a][i] + move * grid.cells_per_unit();
+                    }
                 }
             }
-            const auto in_coarse = place_of<Dim>(coarse_, y);
-            frame.cell[i] = static_cast<std::uint32_t>(in_coarse.node);
-            for (std::size_t a = 0; a < Dim; ++a) frame.fraction[a][i] = in_coarse.fraction[a];
+            for (std::size_t a = 0; a < Dim; ++a) {
+                for (std::size_t i = 0; i < here.count(); ++i) origin[a][i] /= fine_per_coarse;
+            }
+            std::array<float*, Dim> fraction;
+            for (std::size_t a = 0; a < Dim; ++a) fraction[a] = frame.fraction[a].data() + row;
+            origin.locate(coarse_, frame.cell.data() + row, fraction);
         });
     }
 }
