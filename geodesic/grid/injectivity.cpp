@@ -233,9 +233,11 @@ std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const Displaceme
 }
 
 template <int Dim>
-int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold) {
+int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold,
+                 int most) {
     auto bad = bad_cells(grid, displacement, threshold);
     const int folded = static_cast<int>(bad.size());
+    if (folded > most) return folded;
     std::array<std::size_t, Dim> stride;
     for (std::size_t a = 0; a < Dim; ++a) stride[a] = grid.stride(static_cast<int>(a));
 
@@ -339,8 +341,8 @@ template double det_lower_bound<2>(const DyadicGrid<2>&, const DisplacementView<
 template double det_lower_bound<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
 template std::vector<double> least_node_det<2>(const DyadicGrid<2>&, const DisplacementView<2>&);
 template std::vector<double> least_node_det<3>(const DyadicGrid<3>&, const DisplacementView<3>&);
-template int repair_folds<2>(const DyadicGrid<2>&, const std::array<double*, 2>&, double);
-template int repair_folds<3>(const DyadicGrid<3>&, const std::array<double*, 3>&, double);
+template int repair_folds<2>(const DyadicGrid<2>&, const std::array<double*, 2>&, double, int);
+template int repair_folds<3>(const DyadicGrid<3>&, const std::array<double*, 3>&, double, int);
 template int limit_change<2>(const DyadicGrid<2>&, const DisplacementView<2>&, const std::array<float*, 2>&, double);
 template int limit_change<3>(const DyadicGrid<3>&, const DisplacementView<3>&, const std::array<float*, 3>&, double);
 

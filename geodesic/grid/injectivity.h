@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "geodesic/grid/dyadic_grid.h"
@@ -24,9 +25,11 @@ std::vector<double> least_node_det(const DyadicGrid<Dim>& grid, const Displaceme
 
 /// Makes a deformation that folds admissible: around the cells whose bound is below `threshold` the displacement is
 /// smoothed, in growing neighbourhoods; what still folds after that is blended towards the identity as a whole.
+/// @param most  more cells than that are not repaired: nothing is changed
 /// @return number of cells that folded; 0: nothing was changed
 template <int Dim>
-int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold = 0.05);
+int repair_folds(const DyadicGrid<Dim>& grid, const std::array<double*, Dim>& displacement, double threshold = 0.05,
+                 int most = std::numeric_limits<int>::max());
 
 /// Shortens a change of the displacement locally, so that no cell is squeezed at once to less than `keep` of what it
 /// is: at the nodes of each such cell the change is halved, until there is none left or twelve times.

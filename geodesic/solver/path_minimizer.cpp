@@ -21,14 +21,18 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr int max_halvings = 25;
-constexpr int lessons = 1;           // full steps that may fail in an iteration: the history learns from them
-constexpr int patience = 2;          // more steps tried, each shorter, before the history is given up
-constexpr int refresh = 15;          // iterations between two updates of the preconditioner
-constexpr double least_share = 0.3;  // of det D phi in a cell that is left by one step
-constexpr double rounding = 1e-7;    // of energies in single precision, relative
-constexpr double vanishing = 1e-10;  // energy that rounding leaves between equal shapes, in units of mu
-constexpr int max_renewals = 3;      // of history and preconditioner where steps stall
-constexpr int window = 5;            // iterations over which the decrease is measured
+constexpr int lessons = 1;  // full steps that may fail in an iteration: the history learns from them
+// Along a full step that fails, slopes change by about what they were at least, if the energy is convex. Less of it is
+// a kink, which the history would make a step without end of.
+constexpr double least_lesson = 0.5;
+constexpr int patience = 2;           // more steps tried, each shorter, before the history is given up
+constexpr int refresh = 15;           // iterations between two updates of the preconditioner
+constexpr double least_share = 0.3;   // of det D phi in a cell that is left by one step
+constexpr double most_folded = 0.02;  // share of the cells of one deformation that are repaired where a step folds
+constexpr double rounding = 1e-7;     // of energies in single precision, relative
+constexpr double vanishing = 1e-10;   // energy that rounding leaves between equal shapes, in units of mu
+constexpr int max_renewals = 3;       // of history and preconditioner where steps stall
+constexpr int window = 5;             // iterations over which the decrease is measured
 
 /// Cells of the background that a step would squeeze at once stop it as a whole, or fold; there the step is shortened,
 /// in those cells alone.
@@ -45,18 +49,19 @@ void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x
     });
 }
 
-/// Repairs the deformations that fold. @return false if none does
+/// Repairs the deformations that fold, if no more than `most` cells of each do. @return whether there was one to repair
 template <int Dim>
-bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<double>& x) {
-    bool folded = false;
+bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<double>& x,
+            int most = std::numeric_limits<int>::max()) {
+    bool repaired = false;
     for (int k = 1; k <= layout.time_steps; ++k) {
         if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det_single) continue;
         std::array<double*, Dim> w;
         for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
-        repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det);
-        folded = true;
+        if (repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det, most) > most) return false;
+        repaired = true;
     }
-    return folded;
+    return repaired;
 }
 
 }  // namespace
@@ -90,6 +95,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             "the energy of the first guess is infinite: the weights are too far apart (lambda, mu, mismatch-weight, "
             "outside-stiffness), or a deformation folds");
 
+    const int most_folds = static_cast<int>(most_folded * static_cast<double>(energy.layout().grid.cell_count()));
     PathPreconditioner<Dim> preconditioner(energy);
     LbfgsHistory history(x.size(), options.history);
     const auto find_direction = [&] {
@@ -132,8 +138,9 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             kernels::step(next, x, t, direction);
             next_terms = evaluate(next, next_gradient);
             ++summary.evaluations;
-            // Folds appear where the soft background is squeezed: undo them there instead of shortening the whole step.
-            if (!std::isfinite(next_terms.total) && repair<Dim>(energy.layout(), next_terms, next)) {
+            // Folds appear where the soft background is squeezed: undo them there instead of shortening the whole step,
+            // unless so many cells fold that it is the step which makes no sense.
+            if (!std::isfinite(next_terms.total) && repair<Dim>(energy.layout(), next_terms, next, most_folds)) {
                 next_terms = evaluate(next, next_gradient);
                 ++summary.evaluations;
             }
@@ -141,7 +148,7 @@ MinimizerSummary minimize_path(PathEnergy<Dim>& energy, std::vector<double>& x, 
             if (accepted) break;
             // The change of the gradient on the way tells which parts of the step were too long; the rest stays full.
             if (trial < lessons && t == 1.0 && std::isfinite(next_terms.total)) {
-                history.add_tried(next, x, next_gradient, gradient, 1e-10 * std::abs(slope));
+                history.add_tried(next, x, next_gradient, gradient, least_lesson * std::abs(slope));
                 slope = find_descent();
                 continue;
             }

@@ -217,6 +217,9 @@ TYPED_TEST(Grid, FoldsAreRepairedAndNothingElseIsTouched) {
     middle.fill(8);
     d.w[0][d.grid.index(middle)] += 1.7 * d.grid.spacing();
     ASSERT_LT(det_lower_bound<dim>(d.grid, d.view()), 0.0);
+    const auto pushed = d.w;
+    EXPECT_GT(repair_folds<dim>(d.grid, d.data(), 0.05, 0), 0);  // more than one wants to repair
+    EXPECT_EQ(d.w, pushed);
     EXPECT_GT(repair_folds<dim>(d.grid, d.data(), 0.05), 0);
     EXPECT_GE(det_lower_bound<dim>(d.grid, d.view()), 0.05);
     EXPECT_EQ(d.w[0][d.grid.index(typename DyadicGrid<dim>::Index{})], before[0][0]);
