@@ -7,7 +7,7 @@
 namespace morphodesic {
 
 void LbfgsHistory::clear() {
-    if (!pairs_.empty()) spare_ = std::move(pairs_.back());
+    for (Pair& pair : pairs_) spare_.push_back(std::move(pair));
     pairs_.clear();
     added_ = false;
 }
@@ -53,16 +53,20 @@ void LbfgsHistory::after(std::span<float> direction) const {
 void LbfgsHistory::add(std::span<const double> x, std::span<const double> x0, std::span<const float> g,
                        std::span<const float> g0, double least) {
     if (pairs_.size() == capacity_) {
-        spare_ = std::move(pairs_.front());
+        spare_.push_back(std::move(pairs_.front()));
         pairs_.erase(pairs_.begin());
     }
-    Pair pair = std::exchange(spare_, {});
+    Pair pair;
+    if (!spare_.empty()) {
+        pair = std::move(spare_.back());
+        spare_.pop_back();
+    }
     pair.later.clear();
     pair.s.resize(size_);
     pair.y.resize(size_);
     pair.curvature = kernels::differences(pair.s, x, x0, pair.y, g, g0);
     if (!(pair.curvature > least)) {
-        spare_ = std::move(pair);
+        spare_.push_back(std::move(pair));
         return;
     }
     pairs_.push_back(std::move(pair));

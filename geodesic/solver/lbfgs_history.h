@@ -47,7 +47,7 @@ private:
 
     std::size_t size_, capacity_;
     std::vector<Pair> pairs_;  // oldest first
-    Pair spare_;               // memory of a pair that was dropped
+    std::vector<Pair> spare_;  // memory of pairs that were dropped
     bool added_ = false;       // since the last gradient seen
 };
 
