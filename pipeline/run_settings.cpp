@@ -68,11 +68,11 @@ const std::vector<Preset>& presets() {
          5, 2, 1e-2, 3},
         {"standard",
          "level 6, 8 steps: for studies; 0.13 s of a core per 2D pair. Disks: 5 % short, extrapolated within 1.5 %", 6,
-         8, 5e-3, 16},
+         8, 5e-3, 24},
         {"fine",
          "level 7, 8 steps: for final numbers; eight times the cost of standard. Disks: 2.5 % short, extrapolated\n"
          "            within 0.5 %",
-         7, 8, 2.5e-4, 16},
+         7, 8, 2.5e-4, 24},
     };
     return all;
 }

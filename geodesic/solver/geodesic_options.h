@@ -21,7 +21,7 @@ struct GeodesicOptions {
     double tolerance = 5e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
-    int starts = 16;                         ///< alignments from which the search starts, >= 1
+    int starts = 24;                         ///< alignments from which the search starts, >= 1
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
