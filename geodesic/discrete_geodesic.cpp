@@ -321,8 +321,18 @@ private:
             solve(best, folds, wide_rim(), wide_tolerance());
         }
         double_steps_up_to(best, options_.time_steps);
-        const double wide = best.terms.path_length();
+        double wide = best.terms.path_length();
         solve(best, 0, options_.rim_width, options_.tolerance);
+        // With the wide rim a path leaves cracks that more iterations with the narrow one do not get it out of.
+        for (int round = 0; Dim == 2 && round < options_.rounds; ++round) {
+            Start<Dim> again = best;
+            solve(again, 0, wide_rim(), wide_tolerance());
+            const double wide_again = again.terms.path_length();
+            solve(again, 0, options_.rim_width, options_.tolerance);
+            if (again.termination != Termination::converged || !(again.terms.total < best.terms.total)) break;
+            wide = wide_again;
+            best = std::move(again);
+        }
         return wide;
     }
 

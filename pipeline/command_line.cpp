@@ -76,7 +76,7 @@ CommandLine::CommandLine(const RunSettings& defaults) {
         "geodesics", "compute the geodesics that a study is missing.",
         preset_help() +
             "\nWithout options the settings are those the study was made with; a preset replaces level, steps,\n"
-            "tolerance and starts. How the files were read and placed stays.\n"
+            "tolerance, starts and rounds. How the files were read and placed stays.\n"
             "Examples:\n"
             "  morphodesic geodesics letters.study\n"
             "  morphodesic geodesics letters.study --preset fine --threads 4",

@@ -59,11 +59,11 @@ struct Preset {
     int level;
     int time_steps;
     double tolerance;
-    int starts;
+    int starts, rounds;
 };
 [[nodiscard]] const std::vector<Preset>& presets();
 
-/// Gives the settings what a preset says: level, steps, tolerance and starts; the rest stays as it is.
+/// Gives the settings what a preset says: level, steps, tolerance, starts and rounds; the rest stays as it is.
 /// @throws std::invalid_argument if there is no such preset
 void take_preset(RunSettings& settings, const std::string& name);
 /// The default settings with a preset. @throws std::invalid_argument if there is no such preset

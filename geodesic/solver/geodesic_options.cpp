@@ -28,6 +28,7 @@ std::vector<std::string> GeodesicOptions::problems() const {
     require(max_iterations > 0, "max-iterations must be positive");
     require(align == "rigid" || align == "translation" || align == "none", "align must be rigid, translation or none");
     require(starts >= 1, "starts must be at least 1");
+    require(rounds >= 0, "rounds must not be negative");
     return found;
 }
 

@@ -22,6 +22,7 @@ struct GeodesicOptions {
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
     int starts = 24;                         ///< alignments from which the search starts, >= 1
+    int rounds = 0;                          ///< times a path in 2D is settled anew while that lowers its energy, >= 0
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
@@ -40,6 +41,8 @@ struct GeodesicOptions {
         visit("max-iterations", self.max_iterations, "limit on the iterations per level");
         visit("align", self.align, "motion removed before the solve: rigid, translation or none");
         visit("starts", self.starts, "alignments from which the search for the shortest path starts");
+        visit("rounds", self.rounds,
+              "times a path in 2D is settled anew, with a wide and then the wanted rim, while its energy falls");
     }
     /// Every violated constraint, in words; empty if the options are usable.
     [[nodiscard]] std::vector<std::string> problems() const;

@@ -176,6 +176,40 @@ TEST(DiscreteGeodesic, BarsAllowForTheTailsOfThinShapesThatBend) {
     EXPECT_LT(std::abs(r.extrapolated_length - best), 0.5 * std::abs(r.path_length - best));
 }
 
+struct Bar {
+    Point<2> half, middle;
+};
+LevelSet<2> joined_bars(int level, const Bar& one, const Bar& other) {
+    auto u = tests::turned_box<2>(level, one.half, one.middle, 0.0);
+    const auto v = tests::turned_box<2>(level, other.half, other.middle, 0.0);
+    for (std::size_t i = 0; i < u.values.size(); ++i) u.values[i] = std::max(u.values[i], v.values[i]);
+    return u;
+}
+
+/// A cross becomes an L: strokes grow out of little, and the path is stuck in cracks with the narrow rim.
+TEST(DiscreteGeodesic, RoundsLowerTheEnergyAsLongAsThereIsSomethingToGain) {
+    const auto cross = joined_bars(6, {{0.3, 0.05}, {0.5, 0.5}}, {{0.05, 0.3}, {0.5, 0.5}});
+    const auto ell = joined_bars(6, {{0.05, 0.3}, {0.3, 0.5}}, {{0.2, 0.05}, {0.5, 0.25}});
+    const auto solved = [&](int rounds) {
+        auto options = options_for(6, 4);
+        options.align = "rigid";
+        options.tolerance = 2e-3;
+        options.rounds = rounds;
+        return compute_discrete_geodesic<2>(ell, cross, options);
+    };
+    const auto none = solved(0), one = solved(1), two = solved(2);
+    EXPECT_LT(one.total_energy, 0.999 * none.total_energy);
+    EXPECT_LE(two.total_energy, one.total_energy);
+    EXPECT_EQ(one.levels.size(), none.levels.size() + 2);  // with the wide rim, and with the one that is wanted
+    EXPECT_EQ(one.levels.back().rim_width, one.options.rim_width);
+    EXPECT_EQ(one.termination, Termination::converged);
+    EXPECT_GT(one.error, 0.0);
+
+    const auto same = compute_discrete_geodesic<2>(ell, ell, one.options);
+    EXPECT_EQ(same.path_length, 0.0);
+    EXPECT_EQ(same.termination, Termination::converged);
+}
+
 template <int Dim>
 std::pair<LevelSet<Dim>, LevelSet<Dim>> two_boxes(int level) {
     Point<Dim> wide, tall, centre;
