@@ -25,7 +25,7 @@ std::array<double*, Dim> displacement_of(PathState<Dim>& path, int k) {
 }
 
 template <int Dim>
-std::array<const double*, Dim> fields_of(const PathState<Dim>& path, int k) {
+std::array<const double*, Dim> displacement_of(const PathState<Dim>& path, int k) {
     std::array<const double*, Dim> w;
     for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
     return w;
@@ -35,7 +35,7 @@ std::array<const double*, Dim> fields_of(const PathState<Dim>& path, int k) {
 /// @param row  first node of the row; y are its nodes
 template <int Dim>
 RowPlaces<Dim> taken_back(const PathState<Dim>& path, int k, double share, std::size_t row, RowPlaces<Dim>& y) {
-    const auto w = fields_of(path, k);
+    const auto w = displacement_of(path, k);
     const int per_unit = path.layout.grid.cells_per_unit();
     RowPlaces<Dim> x = y;
     for (std::size_t a = 0; a < Dim; ++a) {
@@ -89,7 +89,7 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             std::copy(after, after + grid.node_count(),
                       fine.x.begin() + static_cast<std::ptrdiff_t>(fine.layout.level_set(2 * k)));
         double* between = fine.x.data() + fine.layout.level_set(2 * k - 1);
-        const auto w = fields_of(path, k);
+        const auto w = displacement_of(path, k);
         for_rows(grid, [&](std::size_t row) {
             RowPlaces<Dim> y(grid, row), x = taken_back(path, k, 0.5, row, y), end = x;
             for (std::size_t a = 0; a < Dim; ++a) {
@@ -149,7 +149,7 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     }
     for (int k = steps - 1; k >= 1; --k) {
         const auto at = static_cast<std::size_t>(k);
-        const auto w = fields_of(path, k + 1);
+        const auto w = displacement_of(path, k + 1);
         double* u = path.x.data() + path.layout.level_set(k);
         const double t = static_cast<double>(k) / steps;
         for_rows(grid, [&](std::size_t row) {
