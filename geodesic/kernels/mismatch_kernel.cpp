@@ -29,7 +29,7 @@ HWY_INLINE void least_and_most(const V<D> (&v)[1 << Dim], V<D>& least, V<D>& mos
 }
 
 template <int Dim>
-bool MismatchPointsOf(const MismatchRow<Dim>& row, const Point<Dim>* points, std::size_t count,
+bool MismatchPointsOf(const MismatchRow<Dim>& row, const std::array<double, Dim>* points, std::size_t count,
                       MismatchRowPoints<Dim>& found) {
     constexpr int corners = 1 << Dim;
     const hn::CappedTag<double, 8> d;
@@ -118,11 +118,11 @@ bool MismatchPointsOf(const MismatchRow<Dim>& row, const Point<Dim>* points, std
     return any;
 }
 
-bool MismatchPointsOf2(const MismatchRow<2>& row, const Point<2>* points, std::size_t count,
+bool MismatchPointsOf2(const MismatchRow<2>& row, const std::array<double, 2>* points, std::size_t count,
                        MismatchRowPoints<2>& found) {
     return MismatchPointsOf<2>(row, points, count, found);
 }
-bool MismatchPointsOf3(const MismatchRow<3>& row, const Point<3>* points, std::size_t count,
+bool MismatchPointsOf3(const MismatchRow<3>& row, const std::array<double, 3>* points, std::size_t count,
                        MismatchRowPoints<3>& found) {
     return MismatchPointsOf<3>(row, points, count, found);
 }
@@ -149,13 +149,15 @@ template struct MismatchRowPoints<2>;
 template struct MismatchRowPoints<3>;
 
 template <>
-bool mismatch_points_of<2>(const MismatchRow<2>& row, std::span<const Point<2>> points, MismatchRowPoints<2>& found) {
+bool mismatch_points_of<2>(const MismatchRow<2>& row, std::span<const std::array<double, 2>> points,
+                           MismatchRowPoints<2>& found) {
     assert(row.cells[0] % 8 == 0);
     found.resize(points.size() * static_cast<std::size_t>(row.cells[0]));
     return HWY_DYNAMIC_DISPATCH(MismatchPointsOf2)(row, points.data(), points.size(), found);
 }
 template <>
-bool mismatch_points_of<3>(const MismatchRow<3>& row, std::span<const Point<3>> points, MismatchRowPoints<3>& found) {
+bool mismatch_points_of<3>(const MismatchRow<3>& row, std::span<const std::array<double, 3>> points,
+                           MismatchRowPoints<3>& found) {
     assert(row.cells[0] % 8 == 0);
     found.resize(points.size() * static_cast<std::size_t>(row.cells[0]));
     return HWY_DYNAMIC_DISPATCH(MismatchPointsOf3)(row, points.data(), points.size(), found);

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "geodesic/grid/dyadic_grid.h"
 
 namespace morphodesic::kernels {
 
@@ -36,6 +35,7 @@ struct MismatchRowPoints {
 /// value. SIMD over the cells.
 /// @return whether there is any
 template <int Dim>
-bool mismatch_points_of(const MismatchRow<Dim>& row, std::span<const Point<Dim>> points, MismatchRowPoints<Dim>& found);
+bool mismatch_points_of(const MismatchRow<Dim>& row, std::span<const std::array<double, Dim>> points,
+                        MismatchRowPoints<Dim>& found);
 
 }  // namespace morphodesic::kernels
