@@ -55,9 +55,7 @@ bool MismatchPointsOf(const MismatchRow<Dim>& row, const std::array<double, Dim>
         for (int a = 0; a < Dim; ++a) own[a] = all(d, row.low[a]);
         own[0] = hn::Add(own[0], hn::Iota(d, static_cast<double>(i)));
         const auto read_at = [&](const Values(&x)[Dim], Values(&to)[corners], Values(&fraction)[Dim]) HWY_ATTR {
-            Values inside[Dim];
-            for (int a = 0; a < Dim; ++a) inside[a] = hn::Min(hn::Max(x[a], zero), all(d, row.cells[a]));
-            const auto at = hn::ConvertTo(di, cells_at<Dim>(d, nodes, row.cells, inside, fraction));
+            const auto at = hn::ConvertTo(di, cells_around<Dim>(d, nodes, row.cells, x, fraction));
             for (int c = 0; c < corners; ++c) to[c] = hn::GatherIndex(d, row.to + nodes.corner[c], at);
             return at;
         };
@@ -148,20 +146,21 @@ void MismatchRowPoints<Dim>::resize(std::size_t points) {
 template struct MismatchRowPoints<2>;
 template struct MismatchRowPoints<3>;
 
-template <>
-bool mismatch_points_of<2>(const MismatchRow<2>& row, std::span<const std::array<double, 2>> points,
-                           MismatchRowPoints<2>& found) {
+template <int Dim>
+bool mismatch_points_of(const MismatchRow<Dim>& row, std::span<const std::array<double, Dim>> points,
+                        MismatchRowPoints<Dim>& found) {
     assert(row.cells[0] % 8 == 0);
     found.resize(points.size() * static_cast<std::size_t>(row.cells[0]));
-    return HWY_DYNAMIC_DISPATCH(MismatchPointsOf2)(row, points.data(), points.size(), found);
+    if constexpr (Dim == 2) {
+        return HWY_DYNAMIC_DISPATCH(MismatchPointsOf2)(row, points.data(), points.size(), found);
+    } else {
+        return HWY_DYNAMIC_DISPATCH(MismatchPointsOf3)(row, points.data(), points.size(), found);
+    }
 }
-template <>
-bool mismatch_points_of<3>(const MismatchRow<3>& row, std::span<const std::array<double, 3>> points,
-                           MismatchRowPoints<3>& found) {
-    assert(row.cells[0] % 8 == 0);
-    found.resize(points.size() * static_cast<std::size_t>(row.cells[0]));
-    return HWY_DYNAMIC_DISPATCH(MismatchPointsOf3)(row, points.data(), points.size(), found);
-}
+template bool mismatch_points_of<2>(const MismatchRow<2>&, std::span<const std::array<double, 2>>,
+                                    MismatchRowPoints<2>&);
+template bool mismatch_points_of<3>(const MismatchRow<3>&, std::span<const std::array<double, 3>>,
+                                    MismatchRowPoints<3>&);
 
 }  // namespace morphodesic::kernels
 #endif

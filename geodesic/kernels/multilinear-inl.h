@@ -46,6 +46,15 @@ HWY_INLINE V<D> cells_at(D d, const NodeDistances<Dim>& nodes, const int (&cells
     return node;
 }
 
+/// The same of places anywhere; those outside count as the nearest ones in the grid.
+template <int Dim, class D>
+HWY_INLINE V<D> cells_around(D d, const NodeDistances<Dim>& nodes, const int (&cells)[Dim], const V<D> (&x)[Dim],
+                             V<D> (&fraction)[Dim]) {
+    V<D> inside[Dim];
+    for (int a = 0; a < Dim; ++a) inside[a] = hn::Min(hn::Max(x[a], hn::Zero(d)), all(d, cells[a]));
+    return cells_at<Dim>(d, nodes, cells, inside, fraction);
+}
+
 /// Values of a field, in single or double precision, at nodes, which are given as cells_at() does.
 template <class D, class FieldT>
 HWY_INLINE V<D> gather(D d, const FieldT* field, V<D> node) {

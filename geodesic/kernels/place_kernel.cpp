@@ -17,14 +17,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<double, place_lanes>;
 
-template <int Dim, class D>
-HWY_INLINE V<D> cells_around(D d, const NodeDistances<Dim>& nodes, const int (&cells)[Dim], const V<D> (&x)[Dim],
-                             V<D> (&fraction)[Dim]) {
-    V<D> inside[Dim];
-    for (int a = 0; a < Dim; ++a) inside[a] = hn::Min(hn::Max(x[a], hn::Zero(d)), all(d, cells[a]));
-    return cells_at<Dim>(d, nodes, cells, inside, fraction);
-}
-
 template <int Dim, class FieldT, class D>
 HWY_INLINE V<D> value_at(D d, const NodeDistances<Dim>& nodes, const FieldT* field, V<D> node,
                          const V<D> (&fraction)[Dim]) {

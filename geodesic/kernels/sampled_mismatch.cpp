@@ -44,8 +44,6 @@ SampledSums<Dim> SampledMismatch(const SampledCell<Dim, FieldT>& cell, const Sam
     const Values peak = all(d, 2.0 * std::numbers::inv_pi / cell.eps);  // of delta_eps, times 2
     Values u[corners], chi[corners], w[Dim][corners];
     Values sum = hn::Zero(d), sum_w[Dim][corners], sum_u[corners];
-    int last_cells[Dim];
-    for (int a = 0; a < Dim; ++a) last_cells[a] = cell.last[a];  // cells up to the last node
     for (int c = 0; c < corners; ++c) {
         u[c] = all(d, cell.u[c]);
         chi[c] = all(d, cell.chi[c]);
@@ -63,7 +61,7 @@ SampledSums<Dim> SampledMismatch(const SampledCell<Dim, FieldT>& cell, const Sam
                 hn::Add(hn::Add(all(d, cell.low[a]), here[a]), multilinear<Dim>(d, w[a], here, unused));
             inside[a] = hn::Min(hn::Max(moved, all(d, cell.first[a])), all(d, cell.last[a]));
         }
-        const auto node = cells_at<Dim>(d, nodes, last_cells, inside, there);
+        const auto node = cells_at<Dim>(d, nodes, cell.last, inside, there);
         for (int c = 0; c < corners; ++c) v[c] = gather(d, cell.u_next + nodes.corner[c], node);
         const Values before = hn::Mul(multilinear<Dim>(d, u, here, unused), inverse_eps);
         const Values after = hn::Mul(multilinear<Dim>(d, v, there, slope), inverse_eps);

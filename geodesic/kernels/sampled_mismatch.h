@@ -7,14 +7,14 @@ namespace morphodesic::kernels {
 /// One cell of a time step, and the u_k it is moved into.
 template <int Dim, class T>
 struct SampledCell {
-    int cells[Dim];             ///< of the grid
-    int low[Dim];               ///< its place in the grid
-    int first[Dim], last[Dim];  ///< nodes of u_k that points may lie between
-    double w[Dim][1 << Dim], u[1 << Dim],
-        chi[1 << Dim];  ///< phi_k - id in units of h, u_{k-1}, the mask; at the corners
-    double eps;         ///< width of H_eps
-    const T* u_next;    ///< u_k [nodes of the grid]
-    std::size_t begin;  ///< node that the gradient in u_k starts with
+    int cells[Dim];                     ///< of the grid
+    int low[Dim];                       ///< its place in the grid
+    int first[Dim], last[Dim];          ///< nodes of u_k that points may lie between
+    double w[Dim][1 << Dim];            ///< phi_k - id at the corners, in units of h
+    double u[1 << Dim], chi[1 << Dim];  ///< u_{k-1} and the mask there
+    double eps;                         ///< width of H_eps
+    const T* u_next;                    ///< u_k [nodes of the grid]
+    std::size_t begin;                  ///< node that the gradient in u_k starts with
 };
 
 /// Points of the unit cell, and what each counts; [count], a multiple of sample_lanes.

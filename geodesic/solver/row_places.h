@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "geodesic/grid/dyadic_grid.h"
-#include "geodesic/grid/node_loop.h"
 #include "geodesic/kernels/place_kernel.h"
 
 namespace morphodesic {

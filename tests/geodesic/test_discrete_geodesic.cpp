@@ -176,20 +176,13 @@ TEST(DiscreteGeodesic, BarsAllowForTheTailsOfThinShapesThatBend) {
     EXPECT_LT(std::abs(r.extrapolated_length - best), 0.5 * std::abs(r.path_length - best));
 }
 
-struct Bar {
-    Point<2> half, middle;
-};
-LevelSet<2> joined_bars(int level, const Bar& one, const Bar& other) {
-    auto u = tests::turned_box<2>(level, one.half, one.middle, 0.0);
-    const auto v = tests::turned_box<2>(level, other.half, other.middle, 0.0);
-    for (std::size_t i = 0; i < u.values.size(); ++i) u.values[i] = std::max(u.values[i], v.values[i]);
-    return u;
-}
-
 /// A cross becomes an L: strokes grow out of little, and the path is stuck in cracks with the narrow rim.
 TEST(DiscreteGeodesic, RoundsLowerTheEnergyAsLongAsThereIsSomethingToGain) {
-    const auto cross = joined_bars(6, {{0.3, 0.05}, {0.5, 0.5}}, {{0.05, 0.3}, {0.5, 0.5}});
-    const auto ell = joined_bars(6, {{0.05, 0.3}, {0.3, 0.5}}, {{0.2, 0.05}, {0.5, 0.25}});
+    const auto bar = [](const Point<2>& half, const Point<2>& middle) {
+        return tests::turned_box<2>(6, half, middle, 0.0);
+    };
+    const auto cross = tests::united(bar({0.3, 0.05}, {0.5, 0.5}), bar({0.05, 0.3}, {0.5, 0.5}));
+    const auto ell = tests::united(bar({0.05, 0.3}, {0.3, 0.5}), bar({0.2, 0.05}, {0.5, 0.25}));
     const auto solved = [&](int rounds) {
         auto options = options_for(6, 4);
         options.align = "rigid";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -50,6 +51,13 @@ LevelSet<Dim> turned_box(int level, Point<Dim> half, Point<Dim> centre, double a
         u.values[i] = -(std::sqrt(outside) + std::min(inside, 0.0));
     }
     return u;
+}
+
+/// Both shapes together.
+template <int Dim>
+LevelSet<Dim> united(LevelSet<Dim> a, const LevelSet<Dim>& b) {
+    for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] = std::max(a.values[i], b.values[i]);
+    return a;
 }
 
 /// A smooth vector field that vanishes on the boundary of the cube, component `axis`, wave `mode`.

@@ -115,8 +115,7 @@ TYPED_TEST(CascadeIn, AlignmentFindsTheMotionOfAMovedShape) {
     centre[1] = 0.58;
     Point<dim> small;
     small.fill(0.07);
-    const auto extra = tests::turned_box<dim>(level_of(dim) + 1, small, centre, 0.0);
-    for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] = std::max(a.values[i], extra.values[i]);
+    a = tests::united(a, tests::turned_box<dim>(level_of(dim) + 1, small, centre, 0.0));
     for (const double angle : {0.3, 2.0, 4.0}) {
         auto motion = turn<dim>(angle);
         motion.translation[0] = 0.03;

@@ -115,14 +115,10 @@ TEST(SlopeLimit, KeepsTheContourOnAnEdgeAndHoldsWhatWouldMakeItSteep) {
 /// Two legs that are closed by a bar below: where the last crack vanishes, a mismatch would be hidden in steep
 /// contours.
 TEST(SlopeLimit, APathThatClosesACrackHasNoSteepContour) {
-    const auto united = [](LevelSet<2> a, const LevelSet<2>& b) {
-        for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] = std::max(a.values[i], b.values[i]);
-        return a;
-    };
-    const auto legs = united(tests::turned_box<2>(6, {0.06, 0.25}, {0.37, 0.5}, 0.2),
-                             tests::turned_box<2>(6, {0.06, 0.25}, {0.63, 0.5}, -0.2));
-    const auto first = united(legs, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.7}, 0.0));
-    const auto last = united(first, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.3}, 0.0));
+    const auto legs = tests::united<2>(tests::turned_box<2>(6, {0.06, 0.25}, {0.37, 0.5}, 0.2),
+                                       tests::turned_box<2>(6, {0.06, 0.25}, {0.63, 0.5}, -0.2));
+    const auto first = tests::united<2>(legs, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.7}, 0.0));
+    const auto last = tests::united<2>(first, tests::turned_box<2>(6, {0.19, 0.05}, {0.5, 0.3}, 0.0));
     PathEnergy<2> energy(first, last, 2, GeodesicOptions{});
     auto path = blended_path(first, last, 2);
     MinimizerOptions options;
