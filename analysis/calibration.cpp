@@ -7,11 +7,10 @@
 #include <stdexcept>
 
 #include "analysis/smacof.h"
+#include "analysis/special_numbers.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double logistic(double t) {
     return t >= 0.0 ? 1.0 / (1.0 + std::exp(-t)) : std::exp(t) / (1.0 + std::exp(t));

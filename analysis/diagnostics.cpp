@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "analysis/agreement.h"
 #include "analysis/kernels.h"
 #include "analysis/parallel.h"
 #include "analysis/random.h"
+#include "analysis/special_numbers.h"
 #include "analysis/statistics.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double bar(const DistanceMatrix& d, std::size_t i, std::size_t j) {
     const double e = d.error(i, j);

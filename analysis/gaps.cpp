@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 
 #include "analysis/kernels.h"
 #include "analysis/parallel.h"
+#include "analysis/special_numbers.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<std::size_t> items_of_largest_group(const DistanceMatrix& distances) {
     const std::size_t n = distances.size();

@@ -1,16 +1,14 @@
 #include "analysis/k_medoids.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 
 #include "analysis/parallel.h"
+#include "analysis/special_numbers.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Assignment {
     std::vector<std::size_t> nearest;   // index into the medoids

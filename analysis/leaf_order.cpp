@@ -1,16 +1,14 @@
 #include "analysis/leaf_order.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 #include "analysis/kernels.h"
 #include "analysis/parallel.h"
+#include "analysis/special_numbers.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A cluster as a range of positions in tree order, with its two children.
 struct Node {

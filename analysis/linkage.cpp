@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 
+#include "analysis/special_numbers.h"
 #include "analysis/statistics.h"
 
 namespace morphodesic::analysis {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Distance of cluster i to the union of x and y (Lance and Williams).
 double joined_distance(LinkageMethod method, double xi, double yi, double xy, double nx, double ny, double ni) {

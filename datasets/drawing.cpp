@@ -15,7 +15,7 @@ namespace morphodesic::datasets {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::string parameter_table(const std::vector<Drawing>& drawings) {
     std::string table = "file,label";

@@ -17,9 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& problem) {
-    throw ReadError(file, problem, "export or download the file again");
-}
 std::string at_line(std::size_t line) {
     return "line " + std::to_string(line) + ": ";
 }

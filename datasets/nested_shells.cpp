@@ -13,7 +13,8 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double least_area = 0.01;   // of all: the smaller ones hold less than the smallest cavity that is kept
+constexpr double least_share_of_area =
+    0.01;                             // of all: the smaller ones hold less than the smallest cavity that is kept
 constexpr int most_samples = 200;     // of a shell
 constexpr double all_of_it = 0.95;    // of the samples: some lie near holes
 constexpr double shut = 0.9;          // a ball without 20 % of its surface still is
@@ -76,7 +77,7 @@ public:
         std::vector<int> shell_of_patch(patch.count);
         int small[2] = {-1, -1};
         for (int p = 0; p < patch.count; ++p) {
-            const bool is_large = area[p] >= least_area * total;
+            const bool is_large = area[p] >= least_share_of_area * total;
             int& number = small[fate.hidden[p] != 0 ? 1 : 0];
             if (is_large || number < 0) {
                 shells_.emplace_back();

@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* again = "export or download the file again";
-
 /// A field of the header, in the machine's byte order.
 template <class T>
 T field(const std::string& header, std::size_t offset, bool swapped) {
@@ -83,10 +81,10 @@ Header checked(const fs::path& file, const std::string& bytes, bool swapped, std
     header.layout.big_endian = swapped == (std::endian::native == std::endian::little);
     const int bits = field<std::int16_t>(bytes, bits_at, swapped);
     if (bits != 8 * static_cast<int>(bytes_of(header.layout.type))) {
-        throw ReadError(file, "its header contradicts itself: " + std::to_string(bits) + " bits a number", again);
+        refuse(file, "its header contradicts itself: " + std::to_string(bits) + " bits a number");
     }
     if (!(offset >= static_cast<double>(sizeof(Struct)) && offset < 1e9)) {
-        throw ReadError(file, "its header names no place for the numbers behind it", again);
+        refuse(file, "its header names no place for the numbers behind it");
     }
     header.offset = static_cast<std::size_t>(offset);
     return header;
@@ -98,7 +96,7 @@ Header checked_header(const fs::path& file) {
     constexpr int size_1 = sizeof(nifti_1_header), size_2 = sizeof(nifti_2_header);
     const bool swapped = other == size_1 || other == size_2;
     const int version = size == size_1 || other == size_1 ? 1 : size == size_2 || other == size_2 ? 2 : 0;
-    if (version == 0) throw ReadError(file, "it does not begin like a NIfTI file", again);
+    if (version == 0) refuse(file, "it does not begin like a NIfTI file");
     const std::string bytes = bytes_from(file, 0, version == 1 ? size_1 : size_2, true);
     const std::string magic =
         bytes.substr(version == 1 ? offsetof(nifti_1_header, magic) : offsetof(nifti_2_header, magic), 3);
@@ -129,7 +127,7 @@ Volume read_nifti(const fs::path& file, double max_megabytes) {
     nifti_set_debug_level(0);  // its messages would go to the terminal
     const std::unique_ptr<nifti_image, void (*)(nifti_image*)> image(nifti_image_read(file.c_str(), 0),
                                                                      nifti_image_free);
-    if (!image) throw ReadError(file, "its header cannot be understood", again);
+    if (!image) refuse(file, "its header cannot be understood");
     Volume volume;
     const double unit = millimetres(image->xyz_units);
     if (image->sform_code > 0 || image->qform_code > 0) {

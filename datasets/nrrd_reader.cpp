@@ -14,12 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* again = "export or download the file again";
-
-[[noreturn]] void refuse(const fs::path& file, const std::string& problem, const std::string& remedy = again) {
-    throw ReadError(file, problem, remedy);
-}
-
 std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
     return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);

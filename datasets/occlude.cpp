@@ -24,13 +24,13 @@ namespace morphodesic::datasets {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// Lengths of shortest paths over the eight neighbours of pixels.
 class PixelPaths {
 public:
     PixelPaths(int width, int height)
-        : width_(width), height_(height), length(count(), infinity), source(count(), std::size_t(-1)) {}
+        : width_(width), height_(height), length(count(), unbounded), source(count(), std::size_t(-1)) {}
 
     /// Extends the paths from `starts` over the pixels that `allowed(pixel)` admits, up to a length.
     template <class Allowed>
@@ -117,7 +117,7 @@ private:
     double quantile(const std::vector<double>& key) const {
         std::vector<std::size_t> order;
         for (std::size_t p = 0; p < key.size(); ++p) {
-            if (object_.values[p] > 0.0F && key[p] < infinity) order.push_back(p);
+            if (object_.values[p] > 0.0F && key[p] < unbounded) order.push_back(p);
         }
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
         double so_far = 0.0;
@@ -150,7 +150,7 @@ private:
         const std::size_t tip =
             tips[std::min(tips.size() - 1, static_cast<std::size_t>(random_.uniform(0.0, double(tips.size()))))];
         PixelPaths paths(object_.width, object_.height);
-        paths.grow({tip}, infinity, [&](std::size_t p) { return inside(p); });
+        paths.grow({tip}, unbounded, [&](std::size_t p) { return inside(p); });
         const double limit = quantile(paths.length);
         // Background within a seam around the limb is hidden as well, or the mask would show the outline; but not what
         // is nearer to the rest of the object.
@@ -171,18 +171,18 @@ private:
             return std::hypot(x(a) - mx, y(a) - my) < std::hypot(x(b) - mx, y(b) - my);
         });
         PixelPaths paths(object_.width, object_.height);
-        paths.grow({*middle}, infinity, [&](std::size_t p) { return inside(p); });
+        paths.grow({*middle}, unbounded, [&](std::size_t p) { return inside(p); });
         std::vector<std::size_t> tips;
         double first = 0.0;
         while (tips.size() < 6) {
             std::size_t farthest = *middle;
             for (const std::size_t p : pixels_) {
-                if (paths.length[p] < infinity && paths.length[p] > paths.length[farthest]) farthest = p;
+                if (paths.length[p] < unbounded && paths.length[p] > paths.length[farthest]) farthest = p;
             }
             if (tips.empty()) first = paths.length[farthest];
             if (!tips.empty() && paths.length[farthest] < 0.5 * first) break;
             tips.push_back(farthest);
-            paths.grow({farthest}, infinity, [&](std::size_t p) { return inside(p); });
+            paths.grow({farthest}, unbounded, [&](std::size_t p) { return inside(p); });
         }
         return tips;
     }
@@ -194,10 +194,10 @@ private:
         for (const std::size_t start : pixels_) {
             if (!free(start) || part[start] >= 0) continue;
             PixelPaths paths(object_.width, object_.height);
-            paths.grow({start}, infinity, free);
+            paths.grow({start}, unbounded, free);
             size.push_back(0.0);
             for (const std::size_t p : pixels_) {
-                if (paths.length[p] < infinity)
+                if (paths.length[p] < unbounded)
                     part[p] = static_cast<int>(size.size()) - 1, size.back() += object_.values[p];
             }
         }
@@ -306,7 +306,7 @@ OccludedPicture hide_polygons(const Drawing& drawing, const std::vector<std::siz
     around.grow(starts, margin * side, [](std::size_t) { return true; });
     double all = 0.0, visible = 0.0;
     for (std::size_t p = 0; p < whole.values.size(); ++p) {
-        if (around.length[p] < infinity && result.visible.values[p] < 0.5F) {
+        if (around.length[p] < unbounded && result.visible.values[p] < 0.5F) {
             result.hidden.values[p] = 1.0F;
             result.visible.values[p] = 0.0F;
         }
@@ -322,7 +322,7 @@ TriangleMesh cut_by_plane(const TriangleMesh& closed_mesh, double fraction, cons
     if (!(length > 0.0)) throw std::invalid_argument("the direction of a cut is zero");
     if (!(total > 0.0)) throw std::invalid_argument("there is no solid to hide a part of");
     const Vector3 normal = (1.0 / length) * direction;
-    double low = infinity, high = -infinity;
+    double low = unbounded, high = -unbounded;
     for (const auto& p : closed_mesh.points) low = std::min(low, dot(p, normal)), high = std::max(high, dot(p, normal));
     // Polygons of the triangles on one side of the plane {dot(x, normal) = offset}.
     const auto clipped = [&](double offset, double side, auto&& visit) {

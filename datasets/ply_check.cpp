@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& problem) {
-    throw ReadError(file, problem, "export or download the file again");
-}
-
 /// Corners of a face: a list that the file has no room for was cut off up to here, beyond it its length is a lie.
 constexpr double plausible_corners = 1000.0;
 

@@ -17,10 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& problem) {
-    throw ReadError(file, problem, "export or download the file again");
-}
-
 bool is_usable(const Vector3& p) {
     return std::all_of(p.begin(), p.end(), [](double x) { return coordinate_problem(x) == nullptr; });
 }

@@ -27,6 +27,15 @@ private:
     std::string problem_, remedy_;
 };
 
+/// What helps against a file that breaks off or contradicts itself.
+inline constexpr const char* get_it_again = "export or download the file again";
+
+/// @throws ReadError always
+[[noreturn]] inline void refuse(const std::filesystem::path& file, const std::string& problem,
+                                const std::string& remedy = get_it_again) {
+    throw ReadError(file, problem, remedy);
+}
+
 /// An output file cannot be written: the environment is at fault, not the input.
 class WriteError : public std::runtime_error {
 public:

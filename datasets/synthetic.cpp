@@ -13,7 +13,7 @@ namespace morphodesic::datasets {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::string decimal(double value) {
     char text[40];

@@ -12,8 +12,9 @@ namespace morphodesic::datasets {
 namespace {
 
 constexpr double widest_slit = 0.01;  // cells
-constexpr double least_area = 16.0;   // cells^2, of both faces together: balls that meet at a point have 5 of it
-constexpr double sample_area = 4.0;   // cells^2, of the surface per sample
+constexpr double least_touching_area =
+    16.0;                            // cells^2, of both faces together: balls that meet at a point have 5 of it
+constexpr double sample_area = 4.0;  // cells^2, of the surface per sample
 
 /// Which boxes have a common point with which others.
 std::vector<std::vector<int>> neighbours(const std::vector<Box3>& boxes) {
@@ -75,7 +76,7 @@ bool parts_touch(const TriangleMesh& mesh, const Patches& patch, double cell) {
         interruption_point();
         within[i] = area_within(surface, mesh.corners(candidates[i]), cell);
     });
-    return std::accumulate(within.begin(), within.end(), 0.0) > least_area * cell * cell;
+    return std::accumulate(within.begin(), within.end(), 0.0) > least_touching_area * cell * cell;
 }
 
 void close_slits(const TriangleTree& surface, const Lattice& lattice, std::vector<std::int8_t>& winding) {

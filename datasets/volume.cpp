@@ -29,7 +29,6 @@ namespace fs = std::filesystem;
 constexpr std::int64_t most_nodes = 512LL * 512 * 512;
 constexpr std::size_t best_compression = 1100;  // deflate makes at most 1032 bytes of one
 constexpr double most_border = 0.75;            // of the border's voxels: where more are inside, it is the background
-constexpr const char* again = "export or download the file again";
 
 template <class T>
 void decode_as(const std::string& bytes, bool swapped, std::vector<float>& values) {
@@ -117,10 +116,8 @@ std::size_t VoxelLayout::most_padding() const {
 }
 
 void refuse_surplus(const fs::path& file, const VoxelLayout& layout) {
-    throw ReadError(file,
-                    "its header promises " + std::to_string(layout.byte_count()) +
-                        " bytes of numbers, but there are more: part of the volume would be left out",
-                    again);
+    refuse(file, "its header promises " + std::to_string(layout.byte_count()) +
+                     " bytes of numbers, but there are more: part of the volume would be left out");
 }
 
 void check_layout(const fs::path& file, const VoxelLayout& layout, double max_megabytes) {
@@ -184,21 +181,19 @@ std::string bytes_between(const fs::path& file, std::size_t offset, std::size_t 
                           bool is_header) {
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw ReadError(file, "it cannot be read", "check the path and its permissions");
-    const auto refuse = [&](std::size_t held) {
-        if (is_header) throw ReadError(file, "it breaks off within its header", again);
-        throw ReadError(file,
-                        "its header promises " + std::to_string(count) + " bytes of numbers, but there are only " +
-                            std::to_string(held),
-                        again);
+    const auto breaks_off = [&](std::size_t held) {
+        if (is_header) refuse(file, "it breaks off within its header");
+        refuse(file, "its header promises " + std::to_string(count) + " bytes of numbers, but there are only " +
+                         std::to_string(held));
     };
     // Before memory is asked for: what the file can hold at best.
     std::error_code error;
     const std::size_t size = fs::file_size(file, error);
-    if (!error && size == 0) throw ReadError(file, "the file is empty", again);
+    if (!error && size == 0) refuse(file, "the file is empty");
     const std::size_t at_most = gzdirect(in.get()) != 0 ? size : best_compression * size;
-    if (at_most < offset + count) refuse(at_most > offset ? at_most - offset : 0);
+    if (at_most < offset + count) breaks_off(at_most > offset ? at_most - offset : 0);
     std::string result(count + most_more, '\0');
-    if (gzseek(in.get(), static_cast<z_off_t>(offset), SEEK_SET) < 0) refuse(0);
+    if (gzseek(in.get(), static_cast<z_off_t>(offset), SEEK_SET) < 0) breaks_off(0);
     std::size_t done = 0;
     while (done < result.size()) {
         const auto step = static_cast<unsigned>(std::min<std::size_t>(result.size() - done, 1U << 30));
@@ -207,7 +202,7 @@ std::string bytes_between(const fs::path& file, std::size_t offset, std::size_t 
         if (got <= 0) break;
         done += static_cast<std::size_t>(got);
     }
-    if (done < count) refuse(done);
+    if (done < count) breaks_off(done);
     result.resize(done);
     return result;
 }
@@ -229,15 +224,13 @@ std::string numbers_from(const fs::path& file, std::size_t offset, const VoxelLa
 std::string inflated(const fs::path& file, std::string_view stream, std::size_t skipped, const VoxelLayout& layout) {
     const std::size_t count = skipped + layout.byte_count(), most = layout.most_padding();
     if (best_compression * stream.size() < count) {
-        throw ReadError(file,
-                        "its header promises " + std::to_string(count) + " bytes of numbers, far more than its " +
-                            std::to_string(stream.size()) + " packed bytes can hold",
-                        again);
+        refuse(file, "its header promises " + std::to_string(count) + " bytes of numbers, far more than its " +
+                         std::to_string(stream.size()) + " packed bytes can hold");
     }
     std::string result(count + most + 1, '\0');
     z_stream zip{};
     constexpr int any_header = 15 + 32;  // zlib or gzip, told by its first bytes
-    if (inflateInit2(&zip, any_header) != Z_OK) throw ReadError(file, "it cannot be unpacked", again);
+    if (inflateInit2(&zip, any_header) != Z_OK) refuse(file, "it cannot be unpacked");
     // Volumes have at most 512^3 numbers of 8 bytes: 2^30, within an unsigned int.
     zip.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(stream.data()));
     zip.avail_in = static_cast<unsigned>(std::min<std::size_t>(stream.size(), 0xffffffffU));
@@ -247,10 +240,8 @@ std::string inflated(const fs::path& file, std::string_view stream, std::size_t 
     const std::size_t held = result.size() - zip.avail_out;
     inflateEnd(&zip);
     if (held < count || (state != Z_STREAM_END && state != Z_BUF_ERROR && state != Z_OK)) {
-        throw ReadError(file,
-                        "its header promises " + std::to_string(count) + " bytes of numbers, but only " +
-                            std::to_string(held) + " can be unpacked",
-                        again);
+        refuse(file, "its header promises " + std::to_string(count) + " bytes of numbers, but only " +
+                         std::to_string(held) + " can be unpacked");
     }
     if (held > count + most) refuse_surplus(file, layout);
     return result.substr(skipped, layout.byte_count());
@@ -267,7 +258,7 @@ VolumeSurface surface_of(const fs::path& file, Volume& volume, const std::string
         low = std::min(low, v);
         high = std::max(high, v);
     }
-    if (unknown == volume.values.size()) throw ReadError(file, "none of its values is a finite number", again);
+    if (unknown == volume.values.size()) refuse(file, "none of its values is a finite number");
     if (unknown > 0) {
         volume.notes.push_back(std::to_string(unknown) + " voxels without a finite number count as outside.");
         for (float& v : volume.values) v = std::isfinite(v) ? v : NAN;

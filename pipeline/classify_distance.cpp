@@ -8,14 +8,15 @@
 #include <new>
 #include <numbers>
 
+#include "analysis/special_numbers.h"
 #include "geodesic/grid/contour.h"
 #include "geodesic/grid/transfer.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using analysis::infinity;
+using analysis::nan;
 
 /// Grid on which guesses are judged.
 constexpr int guess_level(int dimension) {

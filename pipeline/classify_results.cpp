@@ -6,15 +6,13 @@
 
 #include "analysis/csv.h"
 #include "pipeline/run_settings.h"
+#include "reports/json_number.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
+using reports::json_number;
 
 Json share(long part, long whole) {
     return whole > 0 ? Json(static_cast<double>(part) / static_cast<double>(whole)) : Json(nullptr);
@@ -33,11 +31,11 @@ Json to_json(const analysis::Reliability& reliability) {
         bins.push_back({{"low", bin.low},
                         {"high", bin.high},
                         {"count", bin.count},
-                        {"mean_confidence", number(bin.mean_confidence)},
-                        {"accuracy", number(bin.accuracy)}});
+                        {"mean_confidence", json_number(bin.mean_confidence)},
+                        {"accuracy", json_number(bin.accuracy)}});
     }
-    return {{"expected_calibration_error", number(reliability.expected_calibration_error)},
-            {"brier_score", number(reliability.brier_score)},
+    return {{"expected_calibration_error", json_number(reliability.expected_calibration_error)},
+            {"brier_score", json_number(reliability.brier_score)},
             {"bins", std::move(bins)}};
 }
 
@@ -65,22 +63,22 @@ Json to_json(const QueryResult& q) {
     json["answer"] = is_accepted(q) ? Json(a.label) : Json(nullptr);
     json["rejected"] = is_accepted(q) ? Json(nullptr) : Json(analysis::to_string(a.rejection));
     json["best_class"] = a.label.empty() ? Json(nullptr) : Json(a.label);
-    json["confidence"] = number(a.confidence);
-    json["margin"] = number(a.margin);
+    json["confidence"] = json_number(a.confidence);
+    json["margin"] = json_number(a.margin);
     json["separated"] = a.separated;
-    json["novelty"] = number(a.novelty);
+    json["novelty"] = json_number(a.novelty);
     json["mask"] = q.mask;
     if (!q.templates.empty()) {
         json["hypothesis"] = q.templates.front().hypothesis;
-        json["hidden_share"] = number(q.templates.front().hidden_share);
+        json["hidden_share"] = json_number(q.templates.front().hidden_share);
     }
     Json classes = Json::array();
     for (const auto& c : a.classes) {
         const auto nearest = std::find_if(q.templates.begin(), q.templates.end(),
                                           [&](const TemplateRow& t) { return t.label == c.name; });
         classes.push_back({{"class", c.name},
-                           {"distance", number(c.distance)},
-                           {"error", number(c.error)},
+                           {"distance", json_number(c.distance)},
+                           {"error", json_number(c.error)},
                            {"nearest", nearest == q.templates.end() ? Json(nullptr) : Json(nearest->name)}});
     }
     json["classes"] = std::move(classes);
@@ -88,15 +86,15 @@ Json to_json(const QueryResult& q) {
     for (const TemplateRow& t : q.templates) {
         templates.push_back({{"template", t.name},
                              {"class", t.label},
-                             {"distance", number(t.distance)},
-                             {"error", number(t.error)},
+                             {"distance", json_number(t.distance)},
+                             {"error", json_number(t.error)},
                              {"refined", t.refined},
                              {"level", t.level},
                              {"steps", t.time_steps},
-                             {"turn_degrees", number(t.turn)},
-                             {"scale", number(t.scale)},
+                             {"turn_degrees", json_number(t.turn)},
+                             {"scale", json_number(t.scale)},
                              {"hypothesis", t.hypothesis},
-                             {"hidden_share", number(t.hidden_share)}});
+                             {"hidden_share", json_number(t.hidden_share)}});
     }
     json["templates"] = std::move(templates);
     json["notes"] = q.notes;
@@ -167,8 +165,8 @@ Json to_json(const ClassificationRun& run) {
     if (run.calibration) {
         json["calibration"] = {{"templates", run.calibration->queries},
                                {"right", run.calibration->right},
-                               {"accuracy", number(run.calibration->accuracy)},
-                               {"novelty_limit", number(run.calibration->novelty_limit)},
+                               {"accuracy", json_number(run.calibration->accuracy)},
+                               {"novelty_limit", json_number(run.calibration->novelty_limit)},
                                {"novelty_exponent", run.calibration->novelty_exponent},
                                {"strangers", run.calibration->strangers},
                                {"strangers_rejected", run.calibration->strangers_rejected},
@@ -176,8 +174,8 @@ Json to_json(const ClassificationRun& run) {
     }
     if (run.retrieval) {
         json["retrieval"] = {{"queries", run.retrieval->queries},
-                             {"bulls_eye", number(run.retrieval->bulls_eye)},
-                             {"mean_average_precision", number(run.retrieval->mean_average_precision)},
+                             {"bulls_eye", json_number(run.retrieval->bulls_eye)},
+                             {"mean_average_precision", json_number(run.retrieval->mean_average_precision)},
                              {"hits_at_rank", run.retrieval->hits_at_rank},
                              {"possible_at_rank", run.retrieval->possible_at_rank}};
     }

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/special_numbers.h"
 #include "pipeline/whole_tasks.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using analysis::infinity;
+using analysis::nan;
 
 /// A template goes on to geodesics if its distance as laid upon, without any deformation, is at most so many times that
 /// of the best one.

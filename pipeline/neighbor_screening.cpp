@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/special_numbers.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using analysis::infinity;
+using analysis::nan;
 /// Share of the measured factors that may lie below the least factor.
 constexpr double least_share = 0.02;
 

@@ -8,20 +8,18 @@
 
 #include "pipeline/colour_map.h"
 #include "pipeline/path_pictures.h"
+#include "reports/json_number.h"
 
 namespace morphodesic::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-ordered_json number(double x) {
-    return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr);
-}
+using reports::json_number;
 
 ordered_json numbers(const std::vector<double>& values) {
     ordered_json array = ordered_json::array();
-    for (const double x : values) array.push_back(number(x));
+    for (const double x : values) array.push_back(json_number(x));
     return array;
 }
 
@@ -126,8 +124,8 @@ std::vector<std::string> write_path_files(const StudyFolder& folder, const fs::p
     }
     const ordered_json meaning{{"quantity", drawn.colour_bar.quantity},
                                {"unit", drawn.colour_bar.unit},
-                               {"low", number(drawn.colour_bar.low)},
-                               {"high", number(drawn.colour_bar.high)},
+                               {"low", json_number(drawn.colour_bar.low)},
+                               {"high", json_number(drawn.colour_bar.high)},
                                {"colours", drawn.colour_bar.colours}};
     folder.write(below / colours_file, meaning.dump(2) + "\n");
     return names;
@@ -138,19 +136,19 @@ ordered_json to_json(const StoredGeodesic& g) {
     for (const LevelReport& l : g.levels) {
         levels.push_back({{"level", l.level},
                           {"time_steps", l.time_steps},
-                          {"rim_width", number(l.rim_width)},
+                          {"rim_width", json_number(l.rim_width)},
                           {"iterations", l.iterations},
                           {"evaluations", l.evaluations},
-                          {"total_energy", number(l.total_energy)},
-                          {"path_length", number(l.path_length)},
-                          {"min_det", number(l.min_det)},
+                          {"total_energy", json_number(l.total_energy)},
+                          {"path_length", json_number(l.path_length)},
+                          {"min_det", json_number(l.min_det)},
                           {"folds_repaired", l.folds_repaired},
                           {"termination", to_string(l.termination)},
-                          {"seconds", number(l.seconds)}});
+                          {"seconds", json_number(l.seconds)}});
     }
     const std::string problem = g.problem();
     const bool solved = g.failure.empty();  // else there are no numbers, and the fields only have their defaults
-    const auto result = [&](double x) { return solved ? number(x) : ordered_json(nullptr); };
+    const auto result = [&](double x) { return solved ? json_number(x) : ordered_json(nullptr); };
     return {{"path_length", result(g.path_length)},
             {"error", result(g.error)},
             {"extrapolated_length", result(g.extrapolated_length)},

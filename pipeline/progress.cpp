@@ -15,16 +15,16 @@ namespace {
 
 constexpr double terminal_interval = 0.2, log_interval = 30.0, least_predicted = 2.0;  // seconds
 
-double steady_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 void write_to_stderr(const std::string& text) {
     std::fputs(text.c_str(), stderr);
     std::fflush(stderr);
 }
 
 }  // namespace
+
+double steady_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 void TimeEstimate::begin(double now, long missing, int at_once) {
     *this = TimeEstimate();

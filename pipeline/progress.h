@@ -8,6 +8,9 @@
 
 namespace morphodesic::pipeline {
 
+/// Seconds since some moment in the past, whatever is done to the clock of the machine.
+[[nodiscard]] double steady_seconds();
+
 /// How long the pairs of a run still take, judged by those that are done. Their order is as good as random, so that
 /// these are a fair sample. A quarter of the pairs in flight counts as done (the quick ones are done first), and the
 /// pace is that of the later half so far, so that a machine that gets busier or idler is followed. Not thread-safe.

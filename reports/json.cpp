@@ -6,16 +6,13 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "reports/json_number.h"
 #include "reports/report.h"
 
 namespace morphodesic::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json numbers(const std::vector<double>& values, int digits = 0) {
     Json result = Json::array();
@@ -25,7 +22,7 @@ Json numbers(const std::vector<double>& values, int digits = 0) {
             std::snprintf(buffer, sizeof buffer, "%.*g", digits, v);
             v = std::strtod(buffer, nullptr);
         }
-        result.push_back(number(v));
+        result.push_back(json_number(v));
     }
     return result;
 }
@@ -41,14 +38,14 @@ Json tree_json(const LinkageTree& tree) {
     return {{"method", tree.method},
             {"merges", list(tree.merges,
                             [](const Merge& m) {
-                                return Json{m.first, m.second, number(m.height), m.size};
+                                return Json{m.first, m.second, json_number(m.height), m.size};
                             })},
             {"leaf_order", tree.leaf_order},
-            {"cophenetic_correlation", number(tree.cophenetic_correlation)}};
+            {"cophenetic_correlation", json_number(tree.cophenetic_correlation)}};
 }
 
 Json edge_json(const Edge& e) {
-    return {{"a", e.a}, {"b", e.b}, {"length", number(e.length)}};
+    return {{"a", e.a}, {"b", e.b}, {"length", json_number(e.length)}};
 }
 
 Json setting_json(const Setting& s) {
@@ -57,26 +54,27 @@ Json setting_json(const Setting& s) {
 
 Json class_json(const ClassTable& t) {
     return {{"name", t.name},
-            {"nearest_neighbour", number(t.nearest_neighbour)},
+            {"nearest_neighbour", json_number(t.nearest_neighbour)},
             {"k_nearest", list(t.k_nearest,
                                [](const auto& k) {
-                                   return Json{{"k", k.first}, {"accuracy", number(k.second)}};
+                                   return Json{{"k", k.first}, {"accuracy", json_number(k.second)}};
                                })},
-            {"bulls_eye", number(t.bulls_eye)},
+            {"bulls_eye", json_number(t.bulls_eye)},
             {"bulls_eye_window", t.bulls_eye_window},
-            {"mean_average_precision", number(t.mean_average_precision)},
-            {"precision_recall", list(t.precision_recall,
-                                      [](const PrecisionRecall& p) {
-                                          return Json{{"recall", number(p.recall)}, {"precision", number(p.precision)}};
-                                      })},
+            {"mean_average_precision", json_number(t.mean_average_precision)},
+            {"precision_recall",
+             list(t.precision_recall,
+                  [](const PrecisionRecall& p) {
+                      return Json{{"recall", json_number(p.recall)}, {"precision", json_number(p.precision)}};
+                  })},
             {"classes", t.classes},
             {"confusion", t.confusion},
             {"class_medoids", t.class_medoids},
-            {"adjusted_rand", number(t.adjusted_rand)},
-            {"adjusted_mutual_information", number(t.adjusted_mutual_information)},
-            {"permanova_f", number(t.permanova_f)},
-            {"permanova_p", number(t.permanova_p)},
-            {"permanova_r2", number(t.permanova_r2)},
+            {"adjusted_rand", json_number(t.adjusted_rand)},
+            {"adjusted_mutual_information", json_number(t.adjusted_mutual_information)},
+            {"permanova_f", json_number(t.permanova_f)},
+            {"permanova_p", json_number(t.permanova_p)},
+            {"permanova_r2", json_number(t.permanova_r2)},
             {"permutations", t.permutations}};
 }
 
@@ -86,27 +84,29 @@ Json trust_json(const Trust& t) {
     result["triangles_violated"] = t.triangles_violated;
     result["triangles_beyond_error"] = t.triangles_beyond_error;
     result["worst_triangles"] = list(t.worst_triangles, [](const TriangleViolation& v) {
-        return Json{{"a", v.a}, {"via", v.via}, {"b", v.b}, {"excess", number(v.excess)}, {"error", number(v.error)}};
+        return Json{
+            {"a", v.a}, {"via", v.via}, {"b", v.b}, {"excess", json_number(v.excess)}, {"error", json_number(v.error)}};
     });
-    result["median_asymmetry"] = number(t.median_asymmetry);
-    result["max_asymmetry"] = number(t.max_asymmetry);
+    result["median_asymmetry"] = json_number(t.median_asymmetry);
+    result["max_asymmetry"] = json_number(t.max_asymmetry);
     result["asymmetries"] = list(t.asymmetries, [](const Asymmetry& v) {
-        return Json{{"a", v.a}, {"b", v.b}, {"forward", number(v.forward)}, {"backward", number(v.backward)}};
+        return Json{{"a", v.a}, {"b", v.b}, {"forward", json_number(v.forward)}, {"backward", json_number(v.backward)}};
     });
     result["silhouettes"] = numbers(t.silhouettes);
     result["stability"] = list(t.stability, [](const ClusterStability& s) {
-        return Json{{"cluster", s.cluster}, {"jaccard", number(s.jaccard)}};
+        return Json{{"cluster", s.cluster}, {"jaccard", json_number(s.jaccard)}};
     });
-    result["stability_rand"] = number(t.stability_rand);
+    result["stability_rand"] = json_number(t.stability_rand);
     result["perturbations"] = t.perturbations;
     result["seed"] = t.seed;
     result["not_converged"] = list(t.not_converged, [](const PairRemark& p) {
         return Json{{"a", p.a}, {"b", p.b}, {"remark", p.remark}};
     });
     result["close_clusters"] = list(t.close_clusters, [](const CloseClusters& c) {
-        return Json{{"first", c.first}, {"second", c.second}, {"gap", number(c.gap)}, {"error", number(c.error)}};
+        return Json{
+            {"first", c.first}, {"second", c.second}, {"gap", json_number(c.gap)}, {"error", json_number(c.error)}};
     });
-    result["graph_correlation"] = number(t.graph_correlation);
+    result["graph_correlation"] = json_number(t.graph_correlation);
     result["remarks"] = t.remarks;
     return result;
 }
@@ -115,31 +115,32 @@ Json volumes_json(const std::optional<VolumeComparison>& v) {
     if (!v) return nullptr;
     return {{"tree", tree_json(v->tree)},
             {"assignment", v->assignment},
-            {"rank_correlation", number(v->rank_correlation)},
-            {"adjusted_rand", number(v->adjusted_rand)}};
+            {"rank_correlation", json_number(v->rank_correlation)},
+            {"adjusted_rand", json_number(v->adjusted_rand)}};
 }
 
 Json compare_json(const std::optional<Comparison>& c) {
     if (!c) return nullptr;
-    return {
-        {"other", c->other},
-        {"common_shapes", c->common_shapes},
-        {"common_pairs", c->common_pairs},
-        {"spearman", number(c->spearman)},
-        {"kendall", number(c->kendall)},
-        {"pearson", number(c->pearson)},
-        {"neighbours", c->neighbours},
-        {"mean_overlap", number(c->mean_overlap)},
-        {"moved",
-         list(c->moved,
-              [](const MovedNeighbour& m) {
-                  return Json{{"shape", m.shape}, {"here", m.here}, {"there", m.there}, {"overlap", number(m.overlap)}};
-              })},
-        {"distances", list(c->distances,
-                           [](const auto& d) {
-                               return Json{number(d.first), number(d.second)};
+    return {{"other", c->other},
+            {"common_shapes", c->common_shapes},
+            {"common_pairs", c->common_pairs},
+            {"spearman", json_number(c->spearman)},
+            {"kendall", json_number(c->kendall)},
+            {"pearson", json_number(c->pearson)},
+            {"neighbours", c->neighbours},
+            {"mean_overlap", json_number(c->mean_overlap)},
+            {"moved", list(c->moved,
+                           [](const MovedNeighbour& m) {
+                               return Json{{"shape", m.shape},
+                                           {"here", m.here},
+                                           {"there", m.there},
+                                           {"overlap", json_number(m.overlap)}};
                            })},
-        {"different_settings", list(c->different_settings, setting_json)}};
+            {"distances", list(c->distances,
+                               [](const auto& d) {
+                                   return Json{json_number(d.first), json_number(d.second)};
+                               })},
+            {"different_settings", list(c->different_settings, setting_json)}};
 }
 
 }  // namespace
@@ -148,27 +149,27 @@ Json path_json(const PathReport& p) {
     Json result;
     result["a"] = p.a;
     result["b"] = p.b;
-    result["path_length"] = number(p.path_length);
-    result["error"] = number(p.error);
-    result["extrapolated_length"] = number(p.extrapolated_length);
-    result["path_energy"] = number(p.path_energy);
-    result["total_energy"] = number(p.total_energy);
-    result["min_det"] = number(p.min_det);
+    result["path_length"] = json_number(p.path_length);
+    result["error"] = json_number(p.error);
+    result["extrapolated_length"] = json_number(p.extrapolated_length);
+    result["path_energy"] = json_number(p.path_energy);
+    result["total_energy"] = json_number(p.total_energy);
+    result["min_det"] = json_number(p.min_det);
     result["termination"] = p.termination;
     result["message"] = p.message;
     result["level"] = p.level;
     result["time_steps"] = p.time_steps;
-    result["seconds"] = number(p.seconds);
+    result["seconds"] = json_number(p.seconds);
     result["motion"] = p.motion;
     result["frames"] = list(p.frames, [](const Frame& f) {
-        return Json{{"time", number(f.time)},
-                    {"deformation_energy", number(f.deformation_energy)},
-                    {"mismatch_energy", number(f.mismatch_energy)}};
+        return Json{{"time", json_number(f.time)},
+                    {"deformation_energy", json_number(f.deformation_energy)},
+                    {"mismatch_energy", json_number(f.mismatch_energy)}};
     });
     result["colour_bar"] = {{"quantity", p.colour_bar.quantity},
                             {"unit", p.colour_bar.unit},
-                            {"low", number(p.colour_bar.low)},
-                            {"high", number(p.colour_bar.high)},
+                            {"low", json_number(p.colour_bar.low)},
+                            {"high", json_number(p.colour_bar.high)},
                             {"colours", p.colour_bar.colours}};
     return result;
 }
@@ -187,8 +188,8 @@ Json model_json(const ReportModel& m, int digits) {
     result["shapes_found"] = m.shapes_found;
     result["pairs_total"] = m.pairs_total;
     result["pairs_done"] = m.pairs_done;
-    result["seconds"] = number(m.seconds);
-    result["cpu_seconds"] = number(m.cpu_seconds);
+    result["seconds"] = json_number(m.seconds);
+    result["cpu_seconds"] = json_number(m.cpu_seconds);
     result["preset"] = m.preset;
     result["distance_unit"] = m.distance_unit;
     result["command"] = m.command;
@@ -198,7 +199,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["warnings"] = m.warnings;
     result["pictures_at_one_scale"] = m.pictures_at_one_scale;
     result["shapes"] = list(m.shapes, [](const ReportShape& s) {
-        return Json{{"name", s.name}, {"label", s.label}, {"volume", number(s.volume)}, {"notes", s.notes}};
+        return Json{{"name", s.name}, {"label", s.label}, {"volume", json_number(s.volume)}, {"notes", s.notes}};
     });
     result["distances"] = numbers(m.distances, digits);
     result["errors"] = numbers(m.errors, digits > 0 ? std::min(digits, 3) : 0);
@@ -209,21 +210,21 @@ Json model_json(const ReportModel& m, int digits) {
                     {"cut", c.cut},
                     {"assignment", c.assignment},
                     {"medoids", c.medoids},
-                    {"silhouette", number(c.silhouette)},
-                    {"agreement", number(c.agreement)}};
+                    {"silhouette", json_number(c.silhouette)},
+                    {"agreement", json_number(c.agreement)}};
     });
     result["embeddings"] = list(m.embeddings, [&](const Embedding& e) {
         return Json{{"method", e.method},
                     {"dimension", e.dimension},
                     {"coordinates", numbers(e.coordinates, digits)},
-                    {"stress", number(e.stress)},
+                    {"stress", json_number(e.stress)},
                     {"stress_per_shape", numbers(e.stress_per_shape, digits)},
                     {"disparities", numbers(e.disparities, digits)}};
     });
     result["placed"] = list(m.placed, [&](const PlacedQuery& q) {
         return Json{{"name", q.name},
                     {"nearest", q.nearest < 0 ? Json(nullptr) : Json(q.nearest)},
-                    {"distance", number(q.distance)},
+                    {"distance", json_number(q.distance)},
                     {"positions", list(q.positions, [&](const auto& p) { return numbers(p, digits); })},
                     {"stress", numbers(q.stress, digits)}};
     });
@@ -235,7 +236,7 @@ Json model_json(const ReportModel& m, int digits) {
     result["trust"] = trust_json(m.trust);
     result["paths"] = list(m.paths, path_json);
     result["volumes"] = volumes_json(m.volumes);
-    result["volume_spread"] = number(m.volume_spread);
+    result["volume_spread"] = json_number(m.volume_spread);
     result["compare"] = compare_json(m.compare);
     result["settings"] = list(m.settings, setting_json);
     result["versions"] = list(m.versions, setting_json);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <map>
@@ -22,6 +21,7 @@
 #include "pipeline/classify_templates.h"
 #include "pipeline/collection.h"
 #include "pipeline/commands/summary.h"
+#include "pipeline/progress.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
 #include "pipeline/whole_tasks.h"
@@ -30,10 +30,6 @@ namespace morphodesic::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 bool stopped() {
     return StopSignals::caught() != 0;
@@ -129,21 +125,21 @@ public:
         ClassifyOptions classify = options_.classify;
         // Medoids and tables of hits need all distances alike.
         if (per_class > 0 || options_.leave_one_out) classify.screening = false;
-        const double begin = now();
+        const double begin = steady_seconds();
         count(n, [&](std::size_t i) {
-            const double at = now();
+            const double at = steady_seconds();
             try {
                 const PartialMatcher<Dim> matcher(set_.shapes[i], classify, set_.placement.mode,
                                                   options_.settings.geodesic.align, options_.mask == "auto", mirror_);
                 rows[i] =
                     compare_with_templates<Dim>(matcher, set_.shapes, options_.settings.geodesic, classify, stopped, i);
-                row_seconds_[i] = now() - at;
+                row_seconds_[i] = steady_seconds() - at;
             } catch (const std::exception& error) {
                 const std::scoped_lock lock(mutex_);
                 run.failures.push_back({set_.shapes[i]->name, "", set_.shapes[i]->name + ": " + error.what()});
             }
         });
-        loo_seconds_ = now() - begin;
+        loo_seconds_ = steady_seconds() - begin;
         loo_rows_ = rows;
         std::vector<std::string> names;
         for (const auto& shape : set_.shapes) names.push_back(shape->name);
@@ -188,13 +184,13 @@ public:
     }
 
     void classify_queries(const QueryList& list) {
-        const double begin = now();
+        const double begin = steady_seconds();
         progress_.message("classifying " + std::to_string(list.queries.size()) +
                           (list.queries.size() == 1 ? " query" : " queries"));
         run.queries.resize(list.queries.size());
         pictured_.resize(std::min(list.queries.size(), static_cast<std::size_t>(options_.pictures)));
         count(list.queries.size(), [&](std::size_t i) { run.queries[i] = classify_one(list.queries[i], i); });
-        run.seconds = now() - begin;
+        run.seconds = steady_seconds() - begin;
         for (const QueryResult& query : run.queries) {
             if (!query.problem.empty()) run.failures.push_back({query.name, "", query.problem});
         }
@@ -222,13 +218,13 @@ private:
     template <class Body>
     void count(std::size_t n, const Body& body) {
         std::atomic<std::size_t> done{0};
-        std::atomic<double> shown{now()};
+        std::atomic<double> shown{steady_seconds()};
         for_each_whole(n, [&](std::size_t i) {
             if (stopped()) return;
             body(i);
             const std::size_t finished = ++done;
             double before = shown.load();
-            if (now() - before > 10.0 && shown.compare_exchange_strong(before, now())) {
+            if (steady_seconds() - before > 10.0 && shown.compare_exchange_strong(before, steady_seconds())) {
                 progress_.message("  " + std::to_string(finished) + " of " + std::to_string(n));
             }
         });
@@ -292,7 +288,7 @@ private:
     QueryResult classify_one(const Query& one, std::size_t index) {
         const datasets::ShapeSource& source = one.source;
         QueryResult result;
-        const double begin = now();
+        const double begin = steady_seconds();
         try {
             if (source.dimension != Dim) {
                 throw datasets::ReadError(source.path, "the templates are of another dimension",
@@ -315,7 +311,7 @@ private:
         }
         result.name = one.name;
         result.truth = source.label;
-        result.seconds = now() - begin;
+        result.seconds = steady_seconds() - begin;
         return result;
     }
 

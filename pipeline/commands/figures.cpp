@@ -3,7 +3,6 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -76,7 +75,7 @@ int figures(const FiguresOptions& options) {
             return stopped_by_signal("; " + std::to_string(done.size()) + " figures are in " + options.out.string());
         }
         if (!options.common.quiet) std::cerr << "figure " << kind->key << ": " << kind->title << std::endl;
-        const auto begin = std::chrono::steady_clock::now();
+        const auto begin = steady_seconds();
         nlohmann::ordered_json entry{{"figure", kind->key}};
         try {
             Figure figure = kind->make(FigureOptions{options.quick});
@@ -85,7 +84,7 @@ int figures(const FiguresOptions& options) {
             write(stem.string() + ".png", reports::svg_to_png(figure.svg, figure.png_width));
             write(stem.string() + ".csv", figure.numbers.csv());
             for (const FigureFile& file : figure.files) write(options.out / file.name, file.bytes);
-            figure.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+            figure.seconds = steady_seconds() - begin;
             entry["name"] = figure.name;
             entry["seconds"] = figure.seconds;
             entry["checks"] = nlohmann::ordered_json::array();

@@ -43,7 +43,7 @@ Summary summary_of(const StudyData& data, const StudyFolder& folder) {
 }
 
 /// The sample of `verify`: the rows that come first in an order drawn by the seed.
-std::vector<const StoredGeodesic*> sample(const StudyData& data, const StudyOptions& options) {
+std::vector<const StoredGeodesic*> sampled_pairs(const StudyData& data, const StudyOptions& options) {
     std::vector<std::pair<std::string, const StoredGeodesic*>> rows;
     for (const auto* direction : {&data.pairs, &data.backward}) {
         for (const auto& pair : *direction) {
@@ -201,7 +201,7 @@ int verify(const StudyOptions& options) {
     for (std::size_t i = 0; i < data.shapes.size(); ++i) by_digest.emplace(data.shapes[i].content_digest, i);
     std::map<std::string, const GeodesicOptions*> settings_of;
     for (const GeodesicOptions& level : data.levels) settings_of.emplace(settings_hash(level), &level);
-    const std::vector<const StoredGeodesic*> chosen = sample(data, options);
+    const std::vector<const StoredGeodesic*> chosen = sampled_pairs(data, options);
     if (chosen.empty() && differing.empty()) {
         const std::string study = folder.path().string();
         throw std::invalid_argument(study + ": there is no trustworthy distance to verify" +

@@ -9,14 +9,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Kind {
+struct SolidKind {
     const char* name;
     const char* help;
     std::function<std::vector<datasets::GeneratedSolid>(const SolidDatasetOptions&)> generate;
     int count;
 };
 
-std::vector<Kind> kinds() {
+std::vector<SolidKind> solid_kinds() {
     return {
         {"feet", "left feet (3D) that differ in length, width, arch, instep and toes, and one outlier",
          [](const SolidDatasetOptions& o) { return datasets::feet(o.feet); }, 8},
@@ -25,7 +25,7 @@ std::vector<Kind> kinds() {
     };
 }
 
-int write(const SolidDatasetOptions& options, const Kind& kind) {
+int write(const SolidDatasetOptions& options, const SolidKind& kind) {
     const auto problems = options.feet.problems();
     if (!problems.empty()) throw std::invalid_argument(problems.front());
     const fs::path folder = options.out.empty() ? fs::path(kind.name) : options.out;
@@ -50,7 +50,7 @@ int write(const SolidDatasetOptions& options, const Kind& kind) {
 
 void add_solid_kinds(CLI::App& datasets_command, SolidDatasetOptions& options,
                      const std::function<void(std::function<int()>)>& choose) {
-    for (const Kind& kind : kinds()) {
+    for (const SolidKind& kind : solid_kinds()) {
         CLI::App* sub = datasets_command.add_subcommand(kind.name, kind.help);
         const std::string name = kind.name;
         sub->footer("Examples:\n  morphodesic datasets " + name + "\n  morphodesic datasets " + name + " --out my-" +

@@ -2,7 +2,6 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "pipeline/memory_limits.h"
 #include "pipeline/memory_model.h"
 #include "pipeline/pair_graph.h"
+#include "pipeline/progress.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
 #include "pipeline/study_rounds.h"
@@ -22,10 +22,6 @@ namespace morphodesic::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// A study folder that this process alone works on.
 struct Workplace {
@@ -195,7 +191,7 @@ void check_stored_level(const Collection& collection, const ResultStore& store, 
 }
 
 int execute(const StudyOptions& options, bool from_files, bool solve, bool with_report) {
-    const double begin = now();
+    const double begin = steady_seconds();
     if (from_files && !fs::is_directory(options.collection)) {
         throw std::invalid_argument(options.collection.string() +
                                     (fs::exists(options.collection)
@@ -238,7 +234,7 @@ int execute(const StudyOptions& options, bool from_files, bool solve, bool with_
     }
     for (const std::string& remark : collection.remarks) at.progress.message(remark);
     const PairGraphSummary done = compute(at, collection, options, memory, from_files);
-    const double seconds = now() - begin;
+    const double seconds = steady_seconds() - begin;
     if (done.shapes == 0 && !done.stopped) return refused(options, collection, done, seconds);
     const double seconds_of_all = add_seconds(*at.store, seconds);
     if (done.stopped) return stopped(options, done);

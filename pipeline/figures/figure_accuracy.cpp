@@ -13,7 +13,6 @@ namespace morphodesic::pipeline {
 namespace {
 
 constexpr double r0 = 0.20, r1 = 0.25;
-constexpr const char* font = "DejaVuSans-Bold";
 
 struct Report {
     Figure figure;
@@ -71,7 +70,7 @@ struct Lengths {
 Lengths in_time(Report& report, const std::string& from, const std::string& to, GeodesicOptions o, int most) {
     Lengths result;
     Series& lengths = result.lengths;
-    const auto a = letter_shape(from, font, o), b = letter_shape(to, font, o);
+    const auto a = letter_shape(from, bold_font, o), b = letter_shape(to, bold_font, o);
     for (o.time_steps = 2; o.time_steps <= most; o.time_steps *= 2) {
         const auto path = compute_discrete_geodesic<2>(a, b, o);
         report.add<2>("time steps", from + " " + to, path, lengths.empty() ? path.path_length : lengths[0].second,
@@ -108,7 +107,7 @@ std::vector<ReversedPair> reversed_pairs(Report& report, const GeodesicOptions& 
                                        {"H", "N"}, {"S", "Z"}, {"P", "D"}, {"T", "Y"}, {"U", "V"}, {"L", "J"}};
     pairs.resize(count);
     for (ReversedPair& pair : pairs) {
-        const auto a = letter_shape(pair.from, font, o), b = letter_shape(pair.to, font, o);
+        const auto a = letter_shape(pair.from, bold_font, o), b = letter_shape(pair.to, bold_font, o);
         const auto there = compute_discrete_geodesic<2>(a, b, o), back = compute_discrete_geodesic<2>(b, a, o);
         pair.there = there.path_length;
         pair.back = back.path_length;
@@ -144,7 +143,7 @@ MotionChanges moved_shapes(Report& report, const GeodesicOptions& o, const std::
     int number = 0;
     for (std::size_t p = 0; p < count; ++p) {
         const auto& [from, to, length, back] = pairs[p];
-        const auto a = letter_shape(from, font, o), b = letter_shape(to, font, o);
+        const auto a = letter_shape(from, bold_font, o), b = letter_shape(to, bold_font, o);
         const auto change = [&](const std::string& name, const GeodesicResult<2>& path, double reference) {
             const double share = std::abs(path.path_length - reference) / typical;
             report.add<2>("moved", name, path, reference, share);

@@ -10,18 +10,14 @@
 #include "pipeline/figures/path_rows.h"
 
 namespace morphodesic::pipeline {
-namespace {
-
-constexpr const char* font = "DejaVuSans-Bold";
-
-}  // namespace
+namespace {}  // namespace
 
 Figure figure_cracks(const FigureOptions& options) {
     GeodesicOptions free = options.geodesic();
     if (options.quick) free.level = 6;  // on level 5 the area is kept to 0.3 %, on level 6 to 0.07 %
-    const LevelSet<2> x = letter_shape("X", font, free);
+    const LevelSet<2> x = letter_shape("X", bold_font, free);
     // The same area for both, so that it can be kept.
-    const LevelSet<2> m = letter_shape("M", font, free, enclosed_volume<2>(x.grid, x.values.data()));
+    const LevelSet<2> m = letter_shape("M", bold_font, free, enclosed_volume<2>(x.grid, x.values.data()));
     // The paper gives lambda / mu, eta = 200 and nu = 0.005, but not mu, and minimisers depend on nu / mu and eta / mu.
     // With mu = 1 the term is less than a tenth of the energy and no match for cracks; where nu counts is shown below.
     struct Case {
@@ -117,7 +113,7 @@ Figure figure_cracks(const FigureOptions& options) {
 Figure figure_two_geodesics(const FigureOptions& options) {
     GeodesicOptions settings = options.geodesic();
     settings.starts = 1;
-    const LevelSet<2> a = letter_shape("A", font, settings), b = letter_shape("B", font, settings);
+    const LevelSet<2> a = letter_shape("A", bold_font, settings), b = letter_shape("B", bold_font, settings);
     Figure figure;
     figure.name = "two-geodesics";
     figure.title = "Two geodesics from A to B, a lower and a higher one";
@@ -189,8 +185,8 @@ Figure figure_two_geodesics(const FigureOptions& options) {
 
 Figure figure_animation(const FigureOptions& options) {
     const GeodesicOptions settings = options.geodesic();
-    const auto path =
-        compute_discrete_geodesic<2>(letter_shape("A", font, settings), letter_shape("B", font, settings), settings);
+    const auto path = compute_discrete_geodesic<2>(letter_shape("A", bold_font, settings),
+                                                   letter_shape("B", bold_font, settings), settings);
     Figure figure;
     figure.name = "animation";
     figure.title = "The geodesic from A to B between its time steps";

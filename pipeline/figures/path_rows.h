@@ -14,6 +14,9 @@ namespace morphodesic::pipeline {
 [[nodiscard]] LevelSet<2> level_set_of(std::vector<datasets::Loop> polygons, const GeodesicOptions& options,
                                        bool centred = true);
 
+/// Font of the letters whose geodesics are known best.
+inline constexpr const char* bold_font = "DejaVuSans-Bold";
+
 /// A letter of a font as a shape.
 /// @param area  it is scaled to this area of the unit square; 0: as the collection of letters has it
 /// @throws std::invalid_argument without the font

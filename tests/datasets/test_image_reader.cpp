@@ -24,7 +24,7 @@ using tests::read;
 using tests::save;
 using tests::toned;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 void write_gif(const std::filesystem::path& file, const cv::Mat& grey, int transparent) {
     int error = 0;

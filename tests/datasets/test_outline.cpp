@@ -11,7 +11,7 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Coverage coverage_of(const cv::Mat& image) {
     return {image.cols, image.rows, std::vector<float>(image.begin<float>(), image.end<float>())};

@@ -12,7 +12,7 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Synthetic, CollectionsImportWithTheirLabelsAndAreas) {
     const tests::TemporaryFolder folder;

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "datasets/solidify.h"
 #include "datasets/triangle_mesh.h"
 
 /// Meshes of known shape and the files they come in.
@@ -19,6 +20,17 @@ using datasets::Vector3;
 using datasets::operator+;
 using datasets::operator-;
 using datasets::operator*;
+
+/// Surfaces are rebuilt on a grid of so many cells: quick, and fine enough for balls.
+inline datasets::SolidifyOptions coarse() {
+    datasets::SolidifyOptions options;
+    options.cells = 64;
+    return options;
+}
+
+/// The ball of most tests.
+inline const Vector3 ball_middle{0.5, 0.5, 0.5};
+inline constexpr double ball_radius = 0.3;
 
 /// Sphere by repeated division of an octahedron, seen from outside.
 inline TriangleMesh ball_mesh(const Vector3& centre, double radius, int divisions) {

@@ -13,36 +13,35 @@ namespace {
 
 using namespace tests;
 
-const Vector3 middle{0.5, 0.5, 0.5};
-constexpr double radius = 0.3, noise = 0.004;
+constexpr double noise = 0.004;
 
 TriangleMesh noisy_ball() {
-    TriangleMesh ball = ball_mesh(middle, radius, 5);
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
     RandomSource random(3);
     for (auto& p : ball.points) {
         const double a = random.uniform(-1, 1) + random.uniform(-1, 1) + random.uniform(-1, 1);  // of variance 1
-        p = p + (noise * a / radius) * (p - middle);
+        p = p + (noise * a / ball_radius) * (p - ball_middle);
     }
     return ball;
 }
 
 double deviation(const TriangleMesh& mesh) {
     double sum = 0.0;
-    for (const auto& p : mesh.points) sum += std::pow(norm(p - middle) - radius, 2);
+    for (const auto& p : mesh.points) sum += std::pow(norm(p - ball_middle) - ball_radius, 2);
     return std::sqrt(sum / static_cast<double>(mesh.points.size()));
 }
 
 TEST(MeshSmoothing, RoughnessIsTheNoise) {
     EXPECT_NEAR(roughness(noisy_ball()), noise, 0.1 * noise);
-    EXPECT_LT(roughness(ball_mesh(middle, radius, 5)), 0.01 * noise);
+    EXPECT_LT(roughness(ball_mesh(ball_middle, ball_radius, 5)), 0.01 * noise);
     EXPECT_LT(roughness(box_mesh({0, 0, 0}, {1, 1, 1})), 1e-12);
 }
 
 /// A ball with waves of the same height as the noise, long enough for the mesh to resolve them.
 TriangleMesh wavy_ball() {
-    TriangleMesh ball = ball_mesh(middle, radius, 5);
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
     for (auto& p : ball.points) {
-        const Vector3 r = (1.0 / radius) * (p - middle);
+        const Vector3 r = (1.0 / ball_radius) * (p - ball_middle);
         const double wave = std::sin(12 * r[0]) * std::cos(11 * r[1]) * std::sin(13 * r[2] + 1);
         p = p + (4 * noise * wave) * r;
     }
@@ -52,7 +51,7 @@ TriangleMesh wavy_ball() {
 TEST(MeshSmoothing, NoiseIsToldFromDetail) {
     EXPECT_LT(bump_correlation(noisy_ball()), -0.15);
     EXPECT_GT(bump_correlation(wavy_ball()), 0.5);
-    EXPECT_GT(bump_correlation(ball_mesh(middle, radius, 5)), 0.5);
+    EXPECT_GT(bump_correlation(ball_mesh(ball_middle, ball_radius, 5)), 0.5);
     EXPECT_GT(bump_correlation(box_mesh({0, 0, 0}, {1, 1, 1})), 0.4);
     EXPECT_EQ(bump_correlation({}), 1.0);
 }
@@ -91,23 +90,25 @@ TEST(MeshSmoothing, NoiseGoesAndTheBallStays) {
     TriangleMesh ball = noisy_ball();
     smooth_noise(ball, roughness(ball));
     EXPECT_LT(deviation(ball), 0.3 * noise);
-    EXPECT_NEAR(signed_volume(ball), 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), 0.004 * signed_volume(ball));
+    EXPECT_NEAR(signed_volume(ball), 4.0 / 3.0 * std::numbers::pi * std::pow(ball_radius, 3),
+                0.004 * signed_volume(ball));
 }
 
 TEST(MeshSmoothing, FlatTrianglesDoNotCostVolume) {
-    TriangleMesh ball = ball_mesh(middle, radius, 4);  // its points on the sphere, its faces below it
-    const double exact = 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), before = signed_volume(ball);
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);  // its points on the sphere, its faces below it
+    const double exact = 4.0 / 3.0 * std::numbers::pi * std::pow(ball_radius, 3), before = signed_volume(ball);
     smooth_noise(ball, 0.001);
     EXPECT_LT(std::abs(signed_volume(ball) - exact), 0.3 * std::abs(before - exact));
 }
 
 TEST(MeshSmoothing, AFilledHoleGoesOnRound) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 5);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
     TriangleMesh dented = ball;
     std::vector<char> is_free(ball.points.size(), 0);
     for (std::size_t i = 0; i < ball.points.size(); ++i) {
         double& z = dented.points[i][2];
-        if (z > middle[2] + 0.85 * radius) z = middle[2] + 0.85 * radius, is_free[i] = 1;  // a flat lid
+        if (z > ball_middle[2] + 0.85 * ball_radius)
+            z = ball_middle[2] + 0.85 * ball_radius, is_free[i] = 1;  // a flat lid
     }
     const double flat = deviation(dented);
     fair(dented, is_free);
@@ -120,7 +121,7 @@ TEST(MeshSmoothing, AFilledHoleGoesOnRound) {
 }
 
 TEST(MeshSmoothing, WithoutAnyHeldPointNothingMoves) {
-    TriangleMesh ball = ball_mesh(middle, radius, 2);
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 2);
     const auto before = ball.points;
     fair(ball, std::vector<char>(ball.points.size(), 1));
     EXPECT_EQ(ball.points, before);

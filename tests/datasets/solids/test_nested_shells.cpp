@@ -14,10 +14,10 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double outer = 50.0, inner = 30.0;
 
-double ball_volume(double radius) {
+double volume_of_ball(double radius) {
     return 4.0 / 3.0 * pi * std::pow(radius, 3);
 }
 
@@ -45,15 +45,9 @@ TriangleMesh torn(const TriangleMesh& mesh) {
     return soup;
 }
 
-SolidifyOptions coarse() {
-    SolidifyOptions options;
-    options.cells = 64;
-    return options;
-}
-
 TEST(NestedShells, CavitiesStayWhicheverWallHasHoles) {
     const TriangleMesh shell = ball_mesh({}, outer, 4), wall = inside_out(ball_mesh({}, inner, 4));
-    const double hollow = ball_volume(outer) - ball_volume(inner);
+    const double hollow = volume_of_ball(outer) - volume_of_ball(inner);
     const std::map<std::string, TriangleMesh> meshes{
         {"a triangle missing outside", joined(without_last(shell, 1), wall)},
         {"100 missing outside", joined(without_last(shell, 100), wall)},
@@ -73,7 +67,7 @@ TEST(NestedShells, CavitiesStayWhicheverWallHasHoles) {
 
 TEST(NestedShells, ABallInACavityStays) {
     const TriangleMesh hollow = joined(without_last(ball_mesh({}, outer, 4), 20), inside_out(ball_mesh({}, 40, 4)));
-    const double volume = ball_volume(outer) - ball_volume(40) + ball_volume(20);
+    const double volume = volume_of_ball(outer) - volume_of_ball(40) + volume_of_ball(20);
     for (const TriangleMesh& ball : {ball_mesh({}, 20, 4), without_last(ball_mesh({}, 20, 4), 30)}) {
         const Solid solid = solid_from_triangles(joined(hollow, ball), "nested", coarse());
         EXPECT_NEAR(solid.volume, volume, 0.03 * volume);
@@ -82,16 +76,16 @@ TEST(NestedShells, ABallInACavityStays) {
 
 TEST(NestedShells, OthersAreTurnedAsBefore) {
     const TriangleMesh shell = without_last(ball_mesh({}, outer, 4), 20), ball = ball_mesh({}, inner, 4);
-    const double both = ball_volume(outer) + ball_volume(inner);
+    const double both = volume_of_ball(outer) + volume_of_ball(inner);
     // The same side shown by both: no cavity.
-    EXPECT_NEAR(solid_from_triangles(joined(shell, ball), "same", coarse()).volume, ball_volume(outer), 0.02 * both);
+    EXPECT_NEAR(solid_from_triangles(joined(shell, ball), "same", coarse()).volume, volume_of_ball(outer), 0.02 * both);
     // Beside each other, one of them inside out.
     const TriangleMesh beside = inside_out(ball_mesh({100, 0, 0}, inner, 4));
     EXPECT_NEAR(solid_from_triangles(joined(shell, beside), "beside", coarse()).volume, both, 0.02 * both);
     // A hollow one of closed shells beside one that is inside out.
     const TriangleMesh hollow = joined(ball_mesh({}, outer, 4), inside_out(ball));
     const Solid solid = solid_from_triangles(joined(hollow, beside), "closed", coarse());
-    EXPECT_NEAR(solid.volume, ball_volume(outer), 0.02 * both);
+    EXPECT_NEAR(solid.volume, volume_of_ball(outer), 0.02 * both);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
 }
 
@@ -108,7 +102,7 @@ TEST(NestedShells, ApartAfterTurningIsNotCalledUnited) {
 TEST(NestedShells, FilledCavitiesAreSaid) {
     const TriangleMesh wall = cut(inside_out(ball_mesh({}, inner, 4)), 0.1 * inner);
     const Solid solid = solid_from_triangles(joined(ball_mesh({}, outer, 4), wall), "half", coarse());
-    EXPECT_NEAR(solid.volume, ball_volume(outer), 0.02 * ball_volume(outer));
+    EXPECT_NEAR(solid.volume, volume_of_ball(outer), 0.02 * volume_of_ball(outer));
     EXPECT_THAT(solid.notes, Contains(HasSubstr("cavity was filled")));
 }
 

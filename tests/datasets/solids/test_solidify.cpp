@@ -20,34 +20,26 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double pi = std::numbers::pi;
-constexpr double radius = 0.3;
-const Vector3 middle{0.5, 0.5, 0.5};
-const double ball_volume = 4.0 / 3.0 * pi * std::pow(radius, 3);
+using std::numbers::pi;
+const double ball_volume = 4.0 / 3.0 * pi * std::pow(ball_radius, 3);
 
 /// Largest distance of the solid's surface from the sphere.
 double distance_from_sphere(const Solid& solid) {
     double largest = 0.0;
-    for (const auto& p : solid.mesh.points) largest = std::max(largest, std::abs(norm(p - middle) - radius));
+    for (const auto& p : solid.mesh.points) largest = std::max(largest, std::abs(norm(p - ball_middle) - ball_radius));
     return largest;
 }
 
 /// Rebuilding cell of the ball.
-constexpr int cells = 64;
-constexpr double cell = 2.0 * radius / cells;
-SolidifyOptions coarse() {
-    SolidifyOptions options;
-    options.cells = cells;
-    return options;
-}
+const double coarse_cell = 2.0 * ball_radius / coarse().cells;
 
 TEST(SignedDistance, BallMeetsTheClosedForm) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 6);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 6);
     const DyadicGrid<3> grid(5);
     const LevelSet<3> u = signed_distance(ball, grid);
     double near = 0.0, far = 0.0;
     for (std::size_t i = 0; i < u.values.size(); ++i) {
-        const double exact = radius - norm(grid.position(grid.node(i)) - middle);
+        const double exact = ball_radius - norm(grid.position(grid.node(i)) - ball_middle);
         const double error = std::abs(u.values[i] - exact) / grid.spacing();
         (std::abs(exact) < 4 * grid.spacing() ? near : far) =
             std::max(std::abs(exact) < 4 * grid.spacing() ? near : far, error);
@@ -73,7 +65,7 @@ TEST(SignedDistance, BoxIsExactAlsoFarAway) {
 }
 
 TEST(WindingNumber, AgreesWithTheExactCountOfRows) {
-    const TriangleMesh two = joined(ball_mesh(middle, 0.3, 4), ball_mesh({0.7, 0.5, 0.5}, 0.2, 4));
+    const TriangleMesh two = joined(ball_mesh(ball_middle, 0.3, 4), ball_mesh({0.7, 0.5, 0.5}, 0.2, 4));
     const Lattice lattice{{17, 17, 17}, {0.013, 0.017, 0.011}, 0.06};
     const auto exact = winding_numbers(two, lattice);
     const TriangleTree fast(two);
@@ -90,23 +82,23 @@ TEST(WindingNumber, AgreesWithTheExactCountOfRows) {
 }
 
 TEST(Solidify, ClosedMeshIsTakenAsItIs) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 5);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     EXPECT_EQ(solid.mesh.triangles.size(), ball.triangles.size());
     EXPECT_NEAR(solid.volume, ball_volume, 2e-3 * ball_volume);
-    EXPECT_LT(norm(solid.centroid - middle), 1e-12);
+    EXPECT_LT(norm(solid.centroid - ball_middle), 1e-12);
     EXPECT_TRUE(solid.notes.empty());
 }
 
 TEST(Solidify, InsideOutIsTurned) {
-    const TriangleMesh ball = inside_out(ball_mesh(middle, radius, 4));
+    const TriangleMesh ball = inside_out(ball_mesh(ball_middle, ball_radius, 4));
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     EXPECT_GT(solid.volume, 0.99 * ball_volume);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("inside out")));
 }
 
 TEST(Solidify, TurnedTrianglesAgreeAgain) {
-    TriangleMesh ball = ball_mesh(middle, radius, 4);
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);
     for (std::size_t t = 0; t < ball.triangles.size(); t += 3) std::swap(ball.triangles[t][0], ball.triangles[t][1]);
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     EXPECT_GT(solid.volume, 0.99 * ball_volume);
@@ -114,11 +106,12 @@ TEST(Solidify, TurnedTrianglesAgreeAgain) {
 }
 
 TEST(Solidify, HolesAreClosed) {
-    TriangleMesh ball = ball_mesh(middle, radius, 5);
-    std::erase_if(ball.triangles, [&](const auto& t) { return ball.points[t[0]][2] > middle[2] + 0.9 * radius; });
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
+    std::erase_if(ball.triangles,
+                  [&](const auto& t) { return ball.points[t[0]][2] > ball_middle[2] + 0.9 * ball_radius; });
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     // A cap of a tenth of the radius is missing; the lid is bent, though less than the sphere.
-    const double cap = pi * std::pow(0.1 * radius, 2) * (radius - 0.1 * radius / 3.0);
+    const double cap = pi * std::pow(0.1 * ball_radius, 2) * (ball_radius - 0.1 * ball_radius / 3.0);
     EXPECT_GT(solid.volume, ball_volume - 0.8 * cap);
     EXPECT_LT(solid.volume, ball_volume);
     EXPECT_TRUE(topology(solid.mesh).closed());
@@ -129,7 +122,7 @@ TEST(Solidify, HolesAreClosed) {
 }
 
 TEST(Solidify, CracksAndLooseTrianglesDoNoHarm) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);
     TriangleMesh soup;  // every triangle on its own, a little apart from the others, every other one turned
     for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
         const auto c = ball.corners(t);
@@ -141,39 +134,40 @@ TEST(Solidify, CracksAndLooseTrianglesDoNoHarm) {
     }
     const Solid solid = solid_from_triangles(soup, "soup", coarse());
     EXPECT_NEAR(solid.volume, ball_volume, 0.01 * ball_volume);
-    EXPECT_LT(distance_from_sphere(solid), cell);
+    EXPECT_LT(distance_from_sphere(solid), coarse_cell);
 }
 
 TEST(Solidify, OverlappingPartsAreUnited) {
     // Two balls of radius r whose centres are r apart: the lens in common is 5/12 pi r^3.
-    const TriangleMesh two = joined(ball_mesh(middle, radius, 5), ball_mesh({0.8, 0.5, 0.5}, radius, 5));
+    const TriangleMesh two = joined(ball_mesh(ball_middle, ball_radius, 5), ball_mesh({0.8, 0.5, 0.5}, ball_radius, 5));
     const Solid solid = solid_from_triangles(two, "two", coarse());
-    EXPECT_NEAR(solid.volume, 2.0 * ball_volume - 5.0 / 12.0 * pi * std::pow(radius, 3), 0.008 * ball_volume);
+    EXPECT_NEAR(solid.volume, 2.0 * ball_volume - 5.0 / 12.0 * pi * std::pow(ball_radius, 3), 0.008 * ball_volume);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("united")));
     EXPECT_EQ(patches(solid.mesh, true).count, 1);
 }
 
 TEST(Solidify, HollowObjectsStayHollow) {
-    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.2, 4));
-    const Solid solid = solid_from_triangles(joined(ball_mesh(middle, radius, 5), inner), "shell", coarse());
-    EXPECT_NEAR(solid.volume, 4.0 / 3.0 * pi * (std::pow(radius, 3) - 0.008), 0.01 * ball_volume);
+    const TriangleMesh inner = inside_out(ball_mesh(ball_middle, 0.2, 4));
+    const Solid solid = solid_from_triangles(joined(ball_mesh(ball_middle, ball_radius, 5), inner), "shell", coarse());
+    EXPECT_NEAR(solid.volume, 4.0 / 3.0 * pi * (std::pow(ball_radius, 3) - 0.008), 0.01 * ball_volume);
     const LevelSet<3> u = signed_distance(solid.mesh, DyadicGrid<3>(4));
     EXPECT_LT(u.values[u.grid.index({8, 8, 8})], -0.15);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
 }
 
 TEST(Solidify, UnitingKeepsCavities) {
-    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.2, 4));
-    const TriangleMesh hollow = joined(ball_mesh(middle, radius, 5), inner);
+    const TriangleMesh inner = inside_out(ball_mesh(ball_middle, 0.2, 4));
+    const TriangleMesh hollow = joined(ball_mesh(ball_middle, ball_radius, 5), inner);
     const TriangleMesh knob = ball_mesh({0.82, 0.5, 0.5}, 0.1, 4);  // reaches into the wall, not through it
     const Solid solid = solid_from_triangles(joined(hollow, knob), "hollow", coarse());
-    const Solid full = solid_from_triangles(joined(ball_mesh(middle, radius, 5), knob), "full", coarse());
+    const Solid full = solid_from_triangles(joined(ball_mesh(ball_middle, ball_radius, 5), knob), "full", coarse());
     EXPECT_NEAR(full.volume - solid.volume, 4.0 / 3.0 * pi * 0.008, 0.01 * ball_volume);
     EXPECT_THAT(solid.notes, Contains(HasSubstr("hollow")));
     EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("inside out"))));
     // A part that is inside out is turned all the same.
     const TriangleMesh turned = inside_out(knob);
-    const Solid put_right = solid_from_triangles(joined(ball_mesh(middle, radius, 5), turned), "turned", coarse());
+    const Solid put_right =
+        solid_from_triangles(joined(ball_mesh(ball_middle, ball_radius, 5), turned), "turned", coarse());
     EXPECT_NEAR(put_right.volume, full.volume, 1e-6 * full.volume);
     EXPECT_THAT(put_right.notes, Contains(HasSubstr("inside out")));
 }
@@ -197,8 +191,9 @@ TEST(Solidify, BoxesThatOverlapBecomeOneWithoutCracks) {
 }
 
 TEST(Solidify, SharesOfThePartsDoNotExceedTheWhole) {
-    const TriangleMesh inner = inside_out(ball_mesh(middle, 0.25, 4));
-    const TriangleMesh nest = joined(joined(ball_mesh(middle, radius, 5), inner), ball_mesh(middle, 0.15, 4));
+    const TriangleMesh inner = inside_out(ball_mesh(ball_middle, 0.25, 4));
+    const TriangleMesh nest =
+        joined(joined(ball_mesh(ball_middle, ball_radius, 5), inner), ball_mesh(ball_middle, 0.15, 4));
     const Solid solid = solid_from_triangles(nest, "nest", coarse());
     EXPECT_THAT(solid.notes, Contains(HasSubstr("2 separate parts; the largest holds 88.")));  // 27 / (27 + 3.375)
 }
@@ -276,8 +271,9 @@ TEST(Solidify, FlatAndOneSidedScansAreRefused) {
 
 /// Triangles of a noisy surface face anywhere; that is no reason to think that the other side is missing.
 TEST(Solidify, NoiseMakesNoHoles) {
-    TriangleMesh scan = ball_mesh(middle, radius, 6);
-    std::erase_if(scan.triangles, [&](const auto& t) { return scan.points[t[0]][2] > middle[2] + 0.9 * radius; });
+    TriangleMesh scan = ball_mesh(ball_middle, ball_radius, 6);
+    std::erase_if(scan.triangles,
+                  [&](const auto& t) { return scan.points[t[0]][2] > ball_middle[2] + 0.9 * ball_radius; });
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0.0, 0.005);
     for (auto& p : scan.points) {
@@ -343,23 +339,24 @@ TEST(Solidify, FlatCutsAreClosedFlat) {
 
 /// Walls that lean over the opening go on round.
 TEST(Solidify, OpeningsThatCloseAlreadyGoOnRound) {
-    TriangleMesh ball = ball_mesh(middle, radius, 5);
-    std::erase_if(ball.triangles, [&](const auto& t) { return ball.points[t[0]][2] > middle[2] + 0.7 * radius; });
+    TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 5);
+    std::erase_if(ball.triangles,
+                  [&](const auto& t) { return ball.points[t[0]][2] > ball_middle[2] + 0.7 * ball_radius; });
     const Solid solid = solid_from_triangles(ball, "ball", coarse());
     EXPECT_NEAR(solid.volume, ball_volume, 0.02 * ball_volume);
     EXPECT_THAT(solid.notes, Not(Contains(HasSubstr("flat"))));
 }
 
 TEST(Solidify, PointCloudOfABall) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);
     const Solid solid = solid_from_points(ball.points, "cloud", coarse());
     EXPECT_NEAR(solid.volume, ball_volume, 0.015 * ball_volume);
-    EXPECT_LT(norm(solid.centroid - middle), 0.003);
+    EXPECT_LT(norm(solid.centroid - ball_middle), 0.003);
     EXPECT_TRUE(topology(solid.mesh).closed());
 }
 
 TEST(Solidify, PointsThatNoSolidHasAreSaid) {
-    const std::vector<Vector3> ball = ball_mesh(middle, radius, 5).points;
+    const std::vector<Vector3> ball = ball_mesh(ball_middle, ball_radius, 5).points;
     const auto notes_with = [&](const TriangleMesh& other) {
         std::vector<Vector3> points = ball;
         points.insert(points.end(), other.points.begin(), other.points.end());
@@ -370,7 +367,8 @@ TEST(Solidify, PointsThatNoSolidHasAreSaid) {
     for (int i = 0; i < 66; ++i)
         wire.points.push_back({0.9, 0.5 + 0.1 * std::cos(0.1 * i), 0.5 + 0.1 * std::sin(0.1 * i)});
     EXPECT_THAT(notes_with(wire), Contains(HasSubstr("66 points (1.6 %) lie outside")));
-    EXPECT_THAT(notes_with(ball_mesh(middle, 0.15, 4)), Contains(HasSubstr("1026 points (20.0 %) lie deep within")));
+    EXPECT_THAT(notes_with(ball_mesh(ball_middle, 0.15, 4)),
+                Contains(HasSubstr("1026 points (20.0 %) lie deep within")));
 }
 
 TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
@@ -383,8 +381,8 @@ TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
         return "accepted";
     };
     // An opening that only the option forbids.
-    std::vector<Vector3> holed = ball_mesh(middle, radius, 5).points;
-    std::erase_if(holed, [](const Vector3& p) { return p[2] < middle[2] - 0.92 * radius; });
+    std::vector<Vector3> holed = ball_mesh(ball_middle, ball_radius, 5).points;
+    std::erase_if(holed, [](const Vector3& p) { return p[2] < ball_middle[2] - 0.92 * ball_radius; });
     SolidifyOptions strict = coarse();
     strict.close_gaps = 0.12;
     EXPECT_THAT(refusal(holed, strict), HasSubstr("raise --close-gaps"));
@@ -402,14 +400,14 @@ TEST(Solidify, CloudsThatCannotBeClosedAreToldApart) {
 }
 
 TEST(Solidify, SpecksAreRemoved) {
-    const TriangleMesh two = joined(ball_mesh(middle, radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.02, 2));
+    const TriangleMesh two = joined(ball_mesh(ball_middle, ball_radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.02, 2));
     const Solid solid = solid_from_triangles(two, "speck", coarse());
     EXPECT_EQ(patches(solid.mesh, true).count, 1);
     EXPECT_THAT(solid.notes, Contains("Removed 1 speck, together 0.027 % of the volume."));
     // Of any size that is asked for.
     SolidifyOptions generous = coarse();
     generous.speck_fraction = 0.05;
-    const TriangleMesh larger = joined(ball_mesh(middle, radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.1, 3));
+    const TriangleMesh larger = joined(ball_mesh(ball_middle, ball_radius, 4), ball_mesh({0.9, 0.9, 0.9}, 0.1, 3));
     EXPECT_EQ(patches(solid_from_triangles(larger, "part", coarse()).mesh, true).count, 2);
     const Solid alone = solid_from_triangles(larger, "speck", generous);
     EXPECT_EQ(patches(alone.mesh, true).count, 1);

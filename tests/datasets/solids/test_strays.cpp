@@ -15,17 +15,14 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const Vector3 middle{0.5, 0.5, 0.5};
-constexpr double radius = 0.3;
-
 /// A triangle of a tenth of the radius.
 TriangleMesh triangle_at(const Vector3& corner) {
-    const double side = 0.1 * radius;
+    const double side = 0.1 * ball_radius;
     return {{corner, corner + Vector3{side, 0, 0}, corner + Vector3{0, side, 0}}, {{0, 1, 2}}};
 }
 
 TEST(Strays, TriangleFarFromAClosedSurfaceChangesNothing) {
-    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);
     const Solid alone = solid_from_triangles(ball, "ball");
     for (const double far : {3.0, 30.0, 300.0, 3e6}) {
         const Solid solid = solid_from_triangles(joined(ball, triangle_at({0.1, far, 0.2})), "ball and triangle");
@@ -38,8 +35,9 @@ TEST(Strays, TriangleFarFromAClosedSurfaceChangesNothing) {
 }
 
 TEST(Strays, SeveralOnAllSidesOfAnOpenSurface) {
-    TriangleMesh open = ball_mesh(middle, radius, 4);
-    std::erase_if(open.triangles, [&](const auto& t) { return open.points[t[0]][2] > middle[2] + 0.95 * radius; });
+    TriangleMesh open = ball_mesh(ball_middle, ball_radius, 4);
+    std::erase_if(open.triangles,
+                  [&](const auto& t) { return open.points[t[0]][2] > ball_middle[2] + 0.95 * ball_radius; });
     const Solid alone = solid_from_triangles(open, "open");
     TriangleMesh scan = open;
     for (const double far : {-80.0, -20.0, 4.0, 60.0}) scan = joined(scan, triangle_at({far, 2.0 * far, -far}));
@@ -50,14 +48,14 @@ TEST(Strays, SeveralOnAllSidesOfAnOpenSurface) {
 
 TEST(Strays, WhatMayBelongToTheObjectStays) {
     const auto left_out = [](TriangleMesh mesh) { return leave_out_strays(mesh, 0.002).count; };
-    const TriangleMesh ball = ball_mesh(middle, radius, 4);
+    const TriangleMesh ball = ball_mesh(ball_middle, ball_radius, 4);
     EXPECT_EQ(left_out(ball), 0U);
     EXPECT_EQ(left_out(joined(ball, triangle_at({1.0, 0.5, 0.5}))), 0U);  // near
     // Closed: a part of 0.5 % of the volume, though of little area beside an object of many sheets.
     TriangleMesh sheets = ball;
-    for (int i = 1; i < 8; ++i) sheets = joined(sheets, ball_mesh(middle, radius - 0.001 * i, 4));
-    EXPECT_EQ(left_out(joined(sheets, ball_mesh({5, 5, 5}, 0.13 * radius, 2))), 128U);  // a speck
-    EXPECT_EQ(left_out(joined(ball, ball_mesh({5, 5, 5}, 0.17 * radius, 2))), 0U);
+    for (int i = 1; i < 8; ++i) sheets = joined(sheets, ball_mesh(ball_middle, ball_radius - 0.001 * i, 4));
+    EXPECT_EQ(left_out(joined(sheets, ball_mesh({5, 5, 5}, 0.13 * ball_radius, 2))), 128U);  // a speck
+    EXPECT_EQ(left_out(joined(ball, ball_mesh({5, 5, 5}, 0.17 * ball_radius, 2))), 0U);
     // Every triangle on its own, far from most others but not from all.
     TriangleMesh soup;
     for (int i = 0; i < 400; ++i) soup = joined(soup, triangle_at({0.1 * i, 0.0, 0.01 * (i % 7)}));
@@ -69,8 +67,9 @@ TEST(Strays, WhatMayBelongToTheObjectStays) {
 }
 
 TEST(Strays, FarSpeckDoesNotMakeTheGridCoarse) {
-    TriangleMesh open = ball_mesh(middle, radius, 4);
-    std::erase_if(open.triangles, [&](const auto& t) { return open.points[t[0]][2] > middle[2] + 0.95 * radius; });
+    TriangleMesh open = ball_mesh(ball_middle, ball_radius, 4);
+    std::erase_if(open.triangles,
+                  [&](const auto& t) { return open.points[t[0]][2] > ball_middle[2] + 0.95 * ball_radius; });
     const Solid alone = solid_from_triangles(open, "open");
     const Solid solid = solid_from_triangles(joined(open, ball_mesh({50, 0, 0}, 0.01, 2)), "open and speck");
     EXPECT_EQ(solid.volume, alone.volume);
@@ -79,7 +78,7 @@ TEST(Strays, FarSpeckDoesNotMakeTheGridCoarse) {
 
 /// Points of a sphere, evenly spread.
 std::vector<Vector3> sphere_points() {
-    return ball_mesh(middle, radius, 4).points;
+    return ball_mesh(ball_middle, ball_radius, 4).points;
 }
 
 TEST(Strays, PointsFarFromACloudChangeNothing) {
@@ -101,7 +100,7 @@ TEST(Strays, PointsThatHangTogetherWithTheCloudStay) {
     std::vector<Vector3> points = sphere_points();
     EXPECT_EQ(leave_out_strays(points).count, 0U);
     const std::size_t all = points.size() + 10;
-    for (int i = 0; i < 10; ++i) points.push_back({0.5 + radius + 0.06 * i, 0.5, 0.5});  // a wire
+    for (int i = 0; i < 10; ++i) points.push_back({0.5 + ball_radius + 0.06 * i, 0.5, 0.5});  // a wire
     EXPECT_EQ(leave_out_strays(points).count, 0U);
     EXPECT_EQ(points.size(), all);
     std::vector<Vector3> two = sphere_points();  // 2 % of the points are no mistake

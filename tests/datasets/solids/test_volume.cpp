@@ -20,7 +20,7 @@ using testing::HasSubstr;
 constexpr std::array<int, 3> nodes{30, 24, 20};
 constexpr std::array<double, 3> spacing{0.5, 0.625, 0.75};
 const Vector3 origin{10.0, -20.0, 30.0}, centre{17.0, -12.5, 37.0};
-constexpr double radius = 5.0;
+constexpr double voxel_ball_radius = 5.0;
 constexpr double flat = 0.025;  // flat faces between nodes h apart cost about (h / radius)^2 of a ball
 
 /// A grey ball: values from 1000 in the middle downwards, 500 at the surface.
@@ -31,7 +31,7 @@ std::string ball_values(bool swapped = false, bool mask = false) {
         for (int j = 0; j < nodes[1]; ++j) {
             for (int i = 0; i < nodes[0]; ++i) {
                 const Vector3 x = origin + Vector3{i * spacing[0], j * spacing[1], k * spacing[2]};
-                const double depth = radius - norm(x - centre);
+                const double depth = voxel_ball_radius - norm(x - centre);
                 put(bytes, static_cast<T>(mask ? (depth > 0 ? 1 : 0) : std::max(0.0, 500.0 + 100.0 * depth)), swapped);
             }
         }
@@ -102,9 +102,9 @@ ImportOptions at(const std::string& isovalue) {
 }
 
 void expect_ball(const RawShape<3>& ball, const Vector3& middle, double share) {
-    const double volume = 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+    const double volume = 4.0 / 3.0 * std::numbers::pi * std::pow(voxel_ball_radius, 3);
     EXPECT_NEAR(ball.volume, volume, share * volume) << ball.source.name;
-    EXPECT_LT(norm(ball.centroid - middle), 0.1 * radius * share + 0.01) << ball.source.name;
+    EXPECT_LT(norm(ball.centroid - middle), 0.1 * voxel_ball_radius * share + 0.01) << ball.source.name;
 }
 
 std::string refusal(const std::filesystem::path& file, const ImportOptions& options = at("500")) {
@@ -163,7 +163,7 @@ TEST(Volume, MasksNeedNoIsovalueAndUnitsAreTurnedIntoMillimetres) {
     std::string metres = nifti(mask, 2, 8);
     metres[123] = 1;
     const RawShape<3> large = read_shape<3>(single_source(folder.write("metres.nii", metres)));
-    EXPECT_NEAR(large.volume, 1e9 * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3), 0.04 * large.volume);
+    EXPECT_NEAR(large.volume, 1e9 * 4.0 / 3.0 * std::numbers::pi * std::pow(voxel_ball_radius, 3), 0.04 * large.volume);
     EXPECT_THAT(refusal(folder.write("grey.nii", nifti(ball_values<std::int16_t>(), 4, 16)), {}),
                 HasSubstr("nothing says which of them is the surface; name it with --isovalue"));
     EXPECT_THAT(refusal(folder.path() / "grey.nii", at("5000")), HasSubstr("no surface at 5000"));
@@ -251,7 +251,8 @@ TEST(Volume, SharesMayBeRounded) {
             for (int j = 0; j < nodes[1]; ++j) {
                 for (int i = 0; i < nodes[0]; ++i) {
                     const Vector3 x = origin + Vector3{i * spacing[0], j * spacing[1], k * spacing[2]};
-                    put(bytes, static_cast<float>(std::clamp(0.5 + 0.5 * (radius - norm(x - centre)), low, high)));
+                    put(bytes,
+                        static_cast<float>(std::clamp(0.5 + 0.5 * (voxel_ball_radius - norm(x - centre)), low, high)));
                 }
             }
         }

@@ -18,7 +18,7 @@ namespace {
 
 /// One time step: from the background to a ball with holes and bits around it, by the stretch of a few cells.
 template <int Dim>
-struct Step {
+struct StretchedStep {
     static constexpr int level = Dim == 2 ? 5 : 4;
     DyadicGrid<Dim> grid{level};
     std::size_t nodes = grid.node_count();
@@ -29,7 +29,7 @@ struct Step {
     /// @param factor     stretch of the middle of every axis
     /// @param noise      of the displacements, in units of h
     /// @param roughness  noise of u_k, in units of h
-    explicit Step(double factor, double noise = 0.0, double roughness = 1.5) : x((Dim + 2) * nodes) {
+    explicit StretchedStep(double factor, double noise = 0.0, double roughness = 1.5) : x((Dim + 2) * nodes) {
         weights.level = level;
         weights.eps = 0.5 * grid.spacing();
         weights.mismatch = 7.0;
@@ -115,7 +115,7 @@ TYPED_TEST(StretchedCellsIn, TheDifferenceIsWhatTheRuleOverlooks) {
     constexpr int dim = TypeParam::value;
     const auto dense = tests::midpoints<dim>(dim == 2 ? 60 : 9);
     for (const double noise : {0.0, 0.15}) {
-        const Step<dim> step(5.0, noise);
+        const StretchedStep<dim> step(5.0, noise);
         std::vector<double> expected(static_cast<std::size_t>(step.grid.cells(0)));
         q1::for_each_cell(step.grid, [&](std::size_t node) {
             const double s = step.stretch(node);
@@ -139,7 +139,7 @@ TYPED_TEST(StretchedCellsIn, TheDifferenceIsWhatTheRuleOverlooks) {
 
 TYPED_TEST(StretchedCellsIn, CellsThatKeepTheirSizeStayAsTheyAre) {
     constexpr int dim = TypeParam::value;
-    const Step<dim> step(1.95);
+    const StretchedStep<dim> step(1.95);
     std::vector<double> gradient(step.x.size());
     EXPECT_EQ(step.difference(step.x, gradient), 0.0);
     EXPECT_EQ(std::count(gradient.begin(), gradient.end(), 0.0), static_cast<std::ptrdiff_t>(gradient.size()));
@@ -148,15 +148,15 @@ TYPED_TEST(StretchedCellsIn, CellsThatKeepTheirSizeStayAsTheyAre) {
     few.weights.quadrature = kernels::Quadrature::few;
     EXPECT_NE(few.difference(), 0.0);
     // Nothing jumps where the difference begins to count.
-    const Step<dim> more(2.04);
-    EXPECT_LT(std::abs(more.difference()), 0.02 * std::abs(Step<dim>(3.5).difference()));
+    const StretchedStep<dim> more(2.04);
+    EXPECT_LT(std::abs(more.difference()), 0.02 * std::abs(StretchedStep<dim>(3.5).difference()));
 }
 
 TYPED_TEST(StretchedCellsIn, GradientsPassTaylorTests) {
     constexpr int dim = TypeParam::value;
     for (const double factor : {2.4, 4.0}) {  // where the difference counts in part, and in whole
         for (int part = 0; part < 3; ++part) {
-            const Step<dim> step(factor, 0.02, 0.3);
+            const StretchedStep<dim> step(factor, 0.02, 0.3);
             std::vector<double> direction(step.x.size());
             for (std::size_t i = 0; i < step.nodes; ++i) {
                 const auto at = step.grid.position(step.grid.node(i));
@@ -180,7 +180,7 @@ TYPED_TEST(StretchedCellsIn, GradientsPassTaylorTests) {
 
 TYPED_TEST(StretchedCellsIn, SinglePrecisionAgrees) {
     constexpr int dim = TypeParam::value;
-    const Step<dim> step(4.0, 0.1);
+    const StretchedStep<dim> step(4.0, 0.1);
     std::vector<double> gradient(step.x.size());
     const double expected = step.difference(step.x, gradient, true);
     const std::vector<float> single(step.x.begin(), step.x.end());

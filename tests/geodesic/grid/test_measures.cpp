@@ -10,10 +10,10 @@
 namespace morphodesic {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 template <int Dim, class F>
-LevelSet<Dim> sampled(int level, const F& f) {
+LevelSet<Dim> level_set_of(int level, const F& f) {
     LevelSet<Dim> u{DyadicGrid<Dim>(level)};
     for (std::size_t i = 0; i < u.values.size(); ++i) u.values[i] = f(u.grid.position(u.grid.node(i)));
     return u;
@@ -40,8 +40,8 @@ TEST(Measures, DiskAndBallConvergeWithSecondOrder) {
 }
 
 TEST(Measures, HalfSpacesAreExact) {
-    const auto plane = sampled<3>(3, [](const Point<3>& x) { return x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55; });
-    const auto rest = sampled<3>(3, [](const Point<3>& x) { return -(x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55); });
+    const auto plane = level_set_of<3>(3, [](const Point<3>& x) { return x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55; });
+    const auto rest = level_set_of<3>(3, [](const Point<3>& x) { return -(x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55); });
     const auto a = measure(plane), b = measure(rest);
     EXPECT_NEAR(a.volume + b.volume, 1.0, 1e-12);
     EXPECT_NEAR(a.volume, 1.0 - (0.55 - 0.25 + 0.125), 1e-12);  // 1 - the mean of 0.55 - x1/2 + x2/4 over the face
@@ -51,33 +51,33 @@ TEST(Measures, HalfSpacesAreExact) {
 
 TEST(Measures, EulerNumbersOfKnownShapes) {
     EXPECT_EQ(measure(tests::ball<2>(5, 0.3)).euler, 1);
-    const auto annulus = measure(sampled<2>(5, ring));
+    const auto annulus = measure(level_set_of<2>(5, ring));
     EXPECT_EQ(annulus.euler, 0);
     EXPECT_EQ(annulus.components, 1);
-    const auto two = measure(sampled<2>(5, [](const Point<2>& x) {
+    const auto two = measure(level_set_of<2>(5, [](const Point<2>& x) {
         return 0.12 - std::min(std::hypot(x[0] - 0.25, x[1] - 0.5), std::hypot(x[0] - 0.75, x[1] - 0.5));
     }));
     EXPECT_EQ(two.euler, 2);
     EXPECT_EQ(two.components, 2);
     EXPECT_EQ(measure(tests::ball<3>(4, 0.3)).euler, 1);
-    const auto torus = measure(sampled<3>(
+    const auto torus = measure(level_set_of<3>(
         5, [](const Point<3>& x) { return 0.1 - std::hypot(std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.25, x[2] - 0.5); }));
     EXPECT_EQ(torus.euler, 0);
-    const auto shell = measure(sampled<3>(
+    const auto shell = measure(level_set_of<3>(
         5, [](const Point<3>& x) { return 0.06 - std::abs(std::hypot(x[0] - 0.5, x[1] - 0.5, x[2] - 0.5) - 0.25); }));
     EXPECT_EQ(shell.euler, 2);
     EXPECT_EQ(shell.components, 1);
 }
 
 TEST(Measures, PartsAddUpToTheWhole) {
-    const auto u = sampled<2>(5, ring);
+    const auto u = level_set_of<2>(5, ring);
     const auto left = [](const Point<2>& x) { return x[0] < 0.4; };
     EXPECT_NEAR(volume_where(u, left) + volume_where(u, [&](const Point<2>& x) { return !left(x); }), measure(u).volume,
                 1e-12);
 }
 
 TEST(Contour, LoopsEncloseTheObjectOnTheirLeft) {
-    const auto loops = contour(sampled<2>(6, ring));
+    const auto loops = contour(level_set_of<2>(6, ring));
     ASSERT_EQ(loops.size(), 2U);
     double area = 0.0;
     int turning_left = 0;
@@ -95,7 +95,7 @@ TEST(Contour, LoopsEncloseTheObjectOnTheirLeft) {
 }
 
 TEST(Contour, AnObjectAtTheBorderIsClosed) {
-    const auto loops = contour(sampled<2>(4, [](const Point<2>& x) { return x[0] - 0.5; }));
+    const auto loops = contour(level_set_of<2>(4, [](const Point<2>& x) { return x[0] - 0.5; }));
     ASSERT_EQ(loops.size(), 1U);
     EXPECT_GT(loops[0].size(), 32U);
 }

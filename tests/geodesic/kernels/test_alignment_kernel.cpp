@@ -20,7 +20,7 @@ TYPED_TEST_SUITE(AlignmentKernelIn, Dimensions);
 
 /// A box laid on a turned one, so far out that a part of the places lies beyond the cube.
 template <int Dim>
-struct Problem {
+struct AlignmentProblem {
     using Vector = Eigen::Matrix<double, Dim, 1>;
     using Matrix = Eigen::Matrix<double, Dim, Dim>;
     static constexpr int unknowns = kernels::motion_unknowns<Dim>;
@@ -36,7 +36,7 @@ struct Problem {
     Matrix rotation = Matrix::Identity();
     Vector translation = Vector::Constant(0.03);
 
-    Problem() { rotation.template topLeftCorner<2, 2>() = Eigen::Rotation2D<double>(0.3).toRotationMatrix(); }
+    AlignmentProblem() { rotation.template topLeftCorner<2, 2>() = Eigen::Rotation2D<double>(0.3).toRotationMatrix(); }
 
     /// Where x lies in the first shape after a further small motion: back (exp(-w) z - t), z = x - c - t0.
     [[nodiscard]] Vector place(const Vector& z, const Eigen::VectorXd& change) const {
@@ -99,8 +99,8 @@ struct Problem {
 
 TYPED_TEST(AlignmentKernelIn, AgreesWithTheFormulas) {
     constexpr int dim = TypeParam::value;
-    const Problem<dim> problem;
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(Problem<dim>::unknowns);
+    const AlignmentProblem<dim> problem;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(AlignmentProblem<dim>::unknowns);
     double expected = 0.0;
     int beyond = 0;
     for (std::size_t i = 0; i < problem.b.values.size(); ++i) {
@@ -123,8 +123,8 @@ TYPED_TEST(AlignmentKernelIn, AgreesWithTheFormulas) {
 TYPED_TEST(AlignmentKernelIn, ForcesAreDifferencesOfTheMismatch) {
     // A Q1 field has kinks at the faces of cells, so a Taylor test has no order; central differences over a tenth of a
     // cell are good to a few percent.
-    constexpr int dim = TypeParam::value, unknowns = Problem<dim>::unknowns;
-    const Problem<dim> problem;
+    constexpr int dim = TypeParam::value, unknowns = AlignmentProblem<dim>::unknowns;
+    const AlignmentProblem<dim> problem;
     const auto sums = problem.sums(Eigen::VectorXd::Zero(unknowns), true);
     const double scale = Eigen::Map<const Eigen::VectorXd>(sums.force, unknowns).norm();
     for (int i = 0; i < unknowns; ++i) {
@@ -135,8 +135,8 @@ TYPED_TEST(AlignmentKernelIn, ForcesAreDifferencesOfTheMismatch) {
 }
 
 TYPED_TEST(AlignmentKernelIn, ProductsBoundTheForces) {
-    constexpr int dim = TypeParam::value, unknowns = Problem<dim>::unknowns;
-    const auto sums = Problem<dim>().sums(Eigen::VectorXd::Zero(unknowns), true);
+    constexpr int dim = TypeParam::value, unknowns = AlignmentProblem<dim>::unknowns;
+    const auto sums = AlignmentProblem<dim>().sums(Eigen::VectorXd::Zero(unknowns), true);
     Eigen::MatrixXd product(unknowns, unknowns);
     Eigen::VectorXd force(unknowns);
     for (int i = 0; i < unknowns; ++i) {
@@ -151,8 +151,8 @@ TYPED_TEST(AlignmentKernelIn, ProductsBoundTheForces) {
 }
 
 TYPED_TEST(AlignmentKernelIn, OneNodeHasTheProductOfItsDerivatives) {
-    constexpr int dim = TypeParam::value, unknowns = Problem<dim>::unknowns;
-    const Problem<dim> problem;
+    constexpr int dim = TypeParam::value, unknowns = AlignmentProblem<dim>::unknowns;
+    const AlignmentProblem<dim> problem;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(unknowns);
     const auto nodes = problem.parts(1, none, true);
     for (const auto& node : nodes) {  // r^2, r J and J J^T of one node

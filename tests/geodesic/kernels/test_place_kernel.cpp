@@ -22,7 +22,7 @@ TYPED_TEST_SUITE(PlaceKernelIn, Dimensions);
 
 /// Places around the nodes of a row in the middle of a box of cells, some of them outside.
 template <int Dim>
-struct Problem {
+struct PlaceProblem {
     DyadicGrid<Dim> grid = [] {
         typename DyadicGrid<Dim>::Index cells;
         cells.fill(12);
@@ -58,7 +58,7 @@ struct Problem {
 TYPED_TEST(PlaceKernelIn, SamplesAreThoseOfTheQ1Function) {
     constexpr int Dim = TypeParam::value;
     tests::for_each_instruction_set([](const std::string&) {
-        Problem<Dim> problem;
+        PlaceProblem<Dim> problem;
         const auto field = problem.field(1.0);
         const std::vector<float> single(field.begin(), field.end());
         const std::vector<double> rounded(single.begin(), single.end());
@@ -76,7 +76,7 @@ TYPED_TEST(PlaceKernelIn, SamplesAreThoseOfTheQ1Function) {
 TYPED_TEST(PlaceKernelIn, PlacesAreFoundInACoarserGrid) {
     constexpr int Dim = TypeParam::value;
     tests::for_each_instruction_set([](const std::string&) {
-        Problem<Dim> problem;
+        PlaceProblem<Dim> problem;
         const auto coarse = problem.grid.coarser();
         auto places = problem.places(5.0);
         for (std::size_t a = 0; a < Dim; ++a) {
@@ -104,7 +104,7 @@ TYPED_TEST(PlaceKernelIn, PlacesAreFoundInACoarserGrid) {
 TYPED_TEST(PlaceKernelIn, InversesOfADeformationAreFound) {
     constexpr int Dim = TypeParam::value;
     tests::for_each_instruction_set([](const std::string&) {
-        Problem<Dim> problem;
+        PlaceProblem<Dim> problem;
         std::array<std::vector<double>, Dim> w;
         std::array<const double*, Dim> view;
         for (std::size_t a = 0; a < Dim; ++a) {  // shears and squeezes cells, without folds

@@ -14,7 +14,7 @@ class CascadeIn : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(CascadeIn, Dimensions);
 
-constexpr int level_of(int dim) {
+constexpr int coarse_level(int dim) {
     return dim == 2 ? 6 : 4;
 }
 
@@ -37,7 +37,7 @@ double bound(const PathState<Dim>& path) {
 
 TYPED_TEST(CascadeIn, SplittingKeepsTheDeformation) {
     constexpr int dim = TypeParam::value;
-    const tests::PathProblem<dim> problem(level_of(dim), 2, GeodesicOptions{});
+    const tests::PathProblem<dim> problem(coarse_level(dim), 2, GeodesicOptions{});
     const auto path = state_of(problem);
     int folds = -1;
     const auto fine = split_in_time(path, problem.energy.first(), problem.energy.last(), folds);
@@ -64,7 +64,7 @@ TYPED_TEST(CascadeIn, SplittingKeepsTheDeformation) {
 TYPED_TEST(CascadeIn, ProlongedFoldIsRepaired) {
     // Two neighbouring nodes so close that the finer grid, or the one itself, folds.
     constexpr int dim = TypeParam::value;
-    tests::PathProblem<dim> problem(level_of(dim), 2, GeodesicOptions{});
+    tests::PathProblem<dim> problem(coarse_level(dim), 2, GeodesicOptions{});
     auto path = state_of(problem);
     typename DyadicGrid<dim>::Index middle;
     middle.fill(path.layout.grid.cells_per_axis() / 2);
@@ -74,14 +74,14 @@ TYPED_TEST(CascadeIn, ProlongedFoldIsRepaired) {
     const auto fine = prolong_in_space(path, folds);
     EXPECT_GT(folds, 0);
     EXPECT_GE(bound(fine), 0.05);
-    PathEnergy<dim> energy(tests::ball<dim>(level_of(dim) + 1, 0.2),
-                           tests::PathProblem<dim>::shifted_ball(level_of(dim) + 1), 2, GeodesicOptions{});
+    PathEnergy<dim> energy(tests::ball<dim>(coarse_level(dim) + 1, 0.2),
+                           tests::PathProblem<dim>::shifted_ball(coarse_level(dim) + 1), 2, GeodesicOptions{});
     EXPECT_TRUE(std::isfinite(energy.evaluate(fine.x, {}).total));
 }
 
 TYPED_TEST(CascadeIn, TransportedShapesLowerTheMismatch) {
     constexpr int dim = TypeParam::value;
-    tests::PathProblem<dim> problem(level_of(dim), 4, GeodesicOptions{});
+    tests::PathProblem<dim> problem(coarse_level(dim), 4, GeodesicOptions{});
     auto path = state_of(problem);
     const auto mismatch = [&](const std::vector<double>& x) {
         double sum = 0.0;
@@ -109,13 +109,13 @@ TYPED_TEST(CascadeIn, AlignmentFindsTheMotionOfAMovedShape) {
     half[0] = 0.22;
     half[dim - 1] = 0.1;
     centre.fill(0.5);
-    auto a = tests::turned_box<dim>(level_of(dim) + 1, half, centre, 0.0);
+    auto a = tests::turned_box<dim>(coarse_level(dim) + 1, half, centre, 0.0);
     // An appendix makes the box ambiguous no more.
     centre[0] = 0.62;
     centre[1] = 0.58;
     Point<dim> small;
     small.fill(0.07);
-    a = tests::united(a, tests::turned_box<dim>(level_of(dim) + 1, small, centre, 0.0));
+    a = tests::united(a, tests::turned_box<dim>(coarse_level(dim) + 1, small, centre, 0.0));
     for (const double angle : {0.3, 2.0, 4.0}) {
         auto motion = turn<dim>(angle);
         motion.translation[0] = 0.03;
@@ -132,8 +132,8 @@ TYPED_TEST(CascadeIn, AlignmentFindsTheMotionOfAMovedShape) {
 
 TYPED_TEST(CascadeIn, MovedByIdentityIsTheSame) {
     constexpr int dim = TypeParam::value;
-    const auto u = tests::ball<dim>(level_of(dim), 0.2);
-    const auto same = moved(u, RigidMotion<dim>{}, level_of(dim));
+    const auto u = tests::ball<dim>(coarse_level(dim), 0.2);
+    const auto same = moved(u, RigidMotion<dim>{}, coarse_level(dim));
     for (std::size_t i = 0; i < u.values.size(); ++i) ASSERT_NEAR(same.values[i], u.values[i], 1e-13);
 }
 

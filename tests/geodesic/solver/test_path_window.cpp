@@ -14,7 +14,7 @@ class PathWindowIn : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(PathWindowIn, Dimensions);
 
-constexpr int level_of(int dim) {
+constexpr int window_level(int dim) {
     return dim == 2 ? 7 : 5;
 }
 
@@ -29,8 +29,8 @@ Point<Dim> point(double x, double others) {
 /// Two balls apart, so that a window leaves out most of the cube, and a path of three shapes with smooth deformations.
 template <int Dim>
 struct Problem {
-    LevelSet<Dim> first = tests::ball<Dim>(level_of(Dim), 0.1, point<Dim>(0.3, 0.3));
-    LevelSet<Dim> last = tests::ball<Dim>(level_of(Dim), 0.12, point<Dim>(0.32, 0.28));
+    LevelSet<Dim> first = tests::ball<Dim>(window_level(Dim), 0.1, point<Dim>(0.3, 0.3));
+    LevelSet<Dim> last = tests::ball<Dim>(window_level(Dim), 0.12, point<Dim>(0.32, 0.28));
     PathState<Dim> path = blended_path(first, last, 2);
     PathWindow<Dim> window = PathWindow<Dim>::around(path, first, last).value();
     PathEnergy<Dim> whole{first, last, 2, GeodesicOptions{}};
@@ -69,10 +69,10 @@ TYPED_TEST(PathWindowIn, HoldsTheShapesWithRoom) {
 
 TYPED_TEST(PathWindowIn, ShapesThatFillTheCubeHaveNone) {
     constexpr int dim = TypeParam::value;
-    const auto large = tests::ball<dim>(level_of(dim), 0.45);
+    const auto large = tests::ball<dim>(window_level(dim), 0.45);
     EXPECT_FALSE(PathWindow<dim>::around(blended_path(large, large, 2), large, large).has_value());
     // A shape at the edge: the box ends there.
-    const auto corner = tests::ball<dim>(level_of(dim), 0.1, point<dim>(0.95, 0.95));
+    const auto corner = tests::ball<dim>(window_level(dim), 0.1, point<dim>(0.95, 0.95));
     const auto window = PathWindow<dim>::around(blended_path(corner, corner, 2), corner, corner);
     ASSERT_TRUE(window.has_value());
     EXPECT_GT(window->cut_out(corner).values.back(), 0.0);
