@@ -310,6 +310,13 @@ private:
         }
     }
 
+    /// Solves with the wanted rim from where the wide one led to. @return length with the wide rim
+    double make_rim_narrow(Start<Dim>& start) {
+        const double wide = start.terms.path_length();
+        solve(start, 0, options_.rim_width, options_.tolerance);
+        return wide;
+    }
+
     /// Takes the best start of the search to the wanted level and number of steps with the wide rim; then the rim is
     /// made narrow. The error bar compares the two lengths.
     /// @return length with the wide rim
@@ -321,14 +328,12 @@ private:
             solve(best, folds, wide_rim(), wide_tolerance());
         }
         double_steps_up_to(best, options_.time_steps);
-        double wide = best.terms.path_length();
-        solve(best, 0, options_.rim_width, options_.tolerance);
+        double wide = make_rim_narrow(best);
         // With the wide rim a path leaves cracks that more iterations with the narrow one do not get it out of.
         for (int round = 0; Dim == 2 && round < options_.rounds; ++round) {
             Start<Dim> again = best;
             solve(again, 0, wide_rim(), wide_tolerance());
-            const double wide_again = again.terms.path_length();
-            solve(again, 0, options_.rim_width, options_.tolerance);
+            const double wide_again = make_rim_narrow(again);
             if (again.termination != Termination::converged || !(again.terms.total < best.terms.total)) break;
             wide = wide_again;
             best = std::move(again);
@@ -336,18 +341,10 @@ private:
         return wide;
     }
 
-    static DisplacementView<Dim> displacement_view(const PathState<Dim>& path, int k) {
-        DisplacementView<Dim> view;
-        for (int a = 0; a < Dim; ++a) {
-            view[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
-        }
-        return view;
-    }
-
     static double min_det_of(const PathState<Dim>& path) {
         double least = std::numeric_limits<double>::infinity();
         for (int k = 1; k <= path.layout.time_steps; ++k) {
-            const double bound = det_lower_bound<Dim>(path.layout.grid, displacement_view(path, k));
+            const double bound = det_lower_bound<Dim>(path.layout.grid, path.layout.displacements(path.x.data(), k));
             if (!(bound >= least)) least = bound;  // keeps a NaN
         }
         return least;

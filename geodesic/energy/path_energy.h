@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -23,6 +24,13 @@ struct PathLayout {
     /// Component a of phi_k - id, k = 1..K.
     [[nodiscard]] std::size_t displacement(int k, int a) const {
         return nodes() * static_cast<std::size_t>(Dim * (k - 1) + a);
+    }
+    /// All components of phi_k - id in a vector of this layout, k = 1..K.
+    template <class T>
+    [[nodiscard]] std::array<T*, Dim> displacements(T* x, int k) const {
+        std::array<T*, Dim> w;
+        for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x + displacement(k, a);
+        return w;
     }
     /// u_k, k = 1..K-1.
     [[nodiscard]] std::size_t level_set(int k) const {

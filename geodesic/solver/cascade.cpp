@@ -17,25 +17,11 @@ namespace morphodesic {
 
 namespace {
 
-template <int Dim>
-std::array<double*, Dim> displacement_of(PathState<Dim>& path, int k) {
-    std::array<double*, Dim> w;
-    for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
-    return w;
-}
-
-template <int Dim>
-std::array<const double*, Dim> displacement_of(const PathState<Dim>& path, int k) {
-    std::array<const double*, Dim> w;
-    for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = path.x.data() + path.layout.displacement(k, a);
-    return w;
-}
-
 /// Solves x + share w_k(x) = y for the places y of a row to a thousandth of a cell, from y - share w_k(y) on.
 /// @param row  first node of the row; y are its nodes
 template <int Dim>
 RowPlaces<Dim> taken_back(const PathState<Dim>& path, int k, double share, std::size_t row, RowPlaces<Dim>& y) {
-    const auto w = displacement_of(path, k);
+    const auto w = path.layout.displacements(path.x.data(), k);
     const int per_unit = path.layout.grid.cells_per_unit();
     RowPlaces<Dim> x = y;
     for (std::size_t a = 0; a < Dim; ++a) {
@@ -58,7 +44,7 @@ template <int Dim>
 int repair_folds(PathState<Dim>& path, double threshold) {
     int folds = 0;
     for (int k = 1; k <= path.layout.time_steps; ++k) {
-        folds += repair_folds<Dim>(path.layout.grid, displacement_of(path, k), threshold);
+        folds += repair_folds<Dim>(path.layout.grid, path.layout.displacements(path.x.data(), k), threshold);
     }
     return folds;
 }
@@ -89,7 +75,7 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             std::copy(after, after + grid.node_count(),
                       fine.x.begin() + static_cast<std::ptrdiff_t>(fine.layout.level_set(2 * k)));
         double* between = fine.x.data() + fine.layout.level_set(2 * k - 1);
-        const auto w = displacement_of(path, k);
+        const auto w = path.layout.displacements(path.x.data(), k);
         for_rows(grid, [&](std::size_t row) {
             RowPlaces<Dim> y(grid, row), x = taken_back(path, k, 0.5, row, y), end = x;
             for (std::size_t a = 0; a < Dim; ++a) {
@@ -106,7 +92,7 @@ PathState<Dim> split_in_time(const PathState<Dim>& path, const LevelSet<Dim>& fi
             const double *carried = x.sample(before), *pulled = end.sample(after);
             for (std::size_t i = 0; i < x.count(); ++i) between[row + i] = 0.5 * (carried[i] + pulled[i]);
         });
-        for (double* field : displacement_of(fine, 2 * k)) clear_boundary(grid, field);
+        for (double* field : fine.layout.displacements(fine.x.data(), 2 * k)) clear_boundary(grid, field);
     }
     folds = repair_folds(fine);
     return fine;
@@ -149,7 +135,7 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     }
     for (int k = steps - 1; k >= 1; --k) {
         const auto at = static_cast<std::size_t>(k);
-        const auto w = displacement_of(path, k + 1);
+        const auto w = path.layout.displacements(path.x.data(), k + 1);
         double* u = path.x.data() + path.layout.level_set(k);
         const double t = static_cast<double>(k) / steps;
         for_rows(grid, [&](std::size_t row) {

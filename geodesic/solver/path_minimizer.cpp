@@ -39,13 +39,8 @@ constexpr int window = 5;             // iterations over which the decrease is m
 template <int Dim>
 void limit_direction(const PathLayout<Dim>& layout, const std::vector<double>& x, std::vector<float>& direction) {
     for_indices(1, layout.time_steps + 1, [&](int k) {
-        DisplacementView<Dim> w;
-        std::array<float*, Dim> change;
-        for (int a = 0; a < Dim; ++a) {
-            w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
-            change[static_cast<std::size_t>(a)] = direction.data() + layout.displacement(k, a);
-        }
-        limit_change<Dim>(layout.grid, w, change, least_share);
+        limit_change<Dim>(layout.grid, layout.displacements(x.data(), k), layout.displacements(direction.data(), k),
+                          least_share);
     });
 }
 
@@ -56,8 +51,7 @@ bool repair(const PathLayout<Dim>& layout, const PathTerms& terms, std::vector<d
     bool repaired = false;
     for (int k = 1; k <= layout.time_steps; ++k) {
         if (terms.step_min_det[static_cast<std::size_t>(k - 1)] >= PathEnergy<Dim>::least_det_single) continue;
-        std::array<double*, Dim> w;
-        for (int a = 0; a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout.displacement(k, a);
+        const auto w = layout.displacements(x.data(), k);
         if (repair_folds<Dim>(layout.grid, w, 2 * PathEnergy<Dim>::least_det, most) > most) return false;
         repaired = true;
     }

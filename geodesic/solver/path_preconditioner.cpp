@@ -105,10 +105,7 @@ void PathPreconditioner<Dim>::update(const PathEnergy<Dim>& energy, std::span<co
         oneapi::tbb::parallel_for(0, layout_.time_steps, [&](int index) {
             const auto k = static_cast<std::size_t>(index);
             const double* u = energy.level_set(x, index);
-            DisplacementView<Dim> displacement;
-            for (int a = 0; a < Dim; ++a) {
-                displacement[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(index + 1, a);
-            }
+            const DisplacementView<Dim> displacement = layout_.displacements(x.data(), index + 1);
             weights[k] = node_stiffness<Dim>(layout_.grid, u, displacement, eps, options);
             for (float& w : weights[k]) w *= stiffness;
             masses[k].clear(layout_.nodes());
@@ -148,11 +145,7 @@ void PathPreconditioner<Dim>::apply(std::span<float> vector) {
     if (transport_) transport_->take(vector);
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(1, layout_.time_steps + 1, [&](int k) {
-            std::array<float*, Dim> field;
-            for (int a = 0; a < Dim; ++a) {
-                field[static_cast<std::size_t>(a)] = vector.data() + layout_.displacement(k, a);
-            }
-            cycles_[static_cast<std::size_t>(k - 1)].apply(field, vectors_);
+            cycles_[static_cast<std::size_t>(k - 1)].apply(layout_.displacements(vector.data(), k), vectors_);
             if (k == layout_.time_steps) return;
             float* u = vector.data() + layout_.level_set(k);
             const auto& inverse = inverse_u_[static_cast<std::size_t>(k - 1)];

@@ -151,7 +151,7 @@ void Trajectories<Dim>::follow(std::span<const double> x) {
         Frame& frame = frames_[static_cast<std::size_t>(k)];
         for (auto& c : frame.origin) c.assign(layout_.nodes(), 0.0F);
         std::array<const double*, Dim> w{};
-        for (int a = 0; k > 0 && a < Dim; ++a) w[static_cast<std::size_t>(a)] = x.data() + layout_.displacement(k, a);
+        if (k > 0) w = layout_.displacements(x.data(), k);
         for_rows(grid, [&](std::size_t row) {
             RowPlaces<Dim> here(grid, row), origin = here;
             if (k > 0) {
