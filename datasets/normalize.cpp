@@ -126,6 +126,7 @@ Shape<Dim> normalize(const RawShape<Dim>& raw, const NormalizeOptions& options) 
     shape.occlusion_mask = raw.geometry->occlusion_mask(grid, placement);
     shape.scale = placement.scale;
     shape.volume = raw.volume * std::pow(placement.scale, Dim);
+    shape.fullness = fullness(shape.level_set);
     const std::string finer =
         options.mode == "each" ? "use a finer --level" : "use a finer --level or --normalize each";
     const int solved_level = options.solved_level > 0 ? std::min(options.solved_level, options.level) : options.level;

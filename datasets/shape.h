@@ -17,6 +17,7 @@ struct Shape {
     LevelSet<Dim> level_set;          ///< signed distance, > 0 inside, in units of the cube
     ScalarField<Dim> occlusion_mask;  ///< chi in [0,1], 0 where the shape is unknown; empty values: known everywhere
     double volume = 0.0;              ///< area (volume) of the object in units of the cube
+    double fullness = 0.0;            ///< see fullness() of geodesic/grid/measures.h
     double scale = 1.0;               ///< file units (pixels, mm, ...) times scale = units of the cube
     std::vector<std::string> notes;   ///< what was done to the input and a user should know, one sentence each
 };

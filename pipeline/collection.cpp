@@ -413,6 +413,7 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         }
         result.row.content_digest = shape.digest;
         result.row.volume = shape.volume;
+        result.row.fullness = shape.fullness;
         result.row.scale = shape.scale;
         result.row.notes = shape.notes;
         take(std::move(shape.level_set), std::move(shape.occlusion_mask));

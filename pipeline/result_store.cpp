@@ -24,7 +24,7 @@ constexpr char schema[] = R"(
 CREATE TABLE study(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE shapes(name TEXT PRIMARY KEY, path TEXT NOT NULL, label TEXT NOT NULL, dimension INTEGER NOT NULL,
   file_digest TEXT NOT NULL, reading TEXT NOT NULL, placing TEXT NOT NULL, extent_radius REAL, content_digest TEXT NOT NULL, volume REAL, scale REAL,
-  notes TEXT NOT NULL, problem TEXT NOT NULL);
+  notes TEXT NOT NULL, problem TEXT NOT NULL, fullness REAL);
 CREATE TABLE level_sets(digest TEXT PRIMARY KEY, dimension INTEGER NOT NULL, level INTEGER NOT NULL,
   u BLOB NOT NULL, mask BLOB NOT NULL, checksum TEXT NOT NULL);
 CREATE TABLE settings(hash TEXT PRIMARY KEY, text TEXT NOT NULL) WITHOUT ROWID;
@@ -37,7 +37,8 @@ CREATE TABLE pictures(key TEXT PRIMARY KEY, bytes BLOB NOT NULL);
 
 constexpr const char* tables[] = {"study", "shapes", "level_sets", "settings", "geodesics", "pictures"};
 
-constexpr const char* shape_count = "shape_count";  // fact
+constexpr const char* shape_count = "shape_count";   // fact
+constexpr const char* fullness_column = "fullness";  // a column that the first studies do not have
 
 /// Goes behind the placing of a shape: a changed bit anywhere in its row has the file read again.
 /// @param with_label  also over class and dimension, which the first studies did not seal
@@ -48,10 +49,12 @@ std::string shape_seal(const StoredShape& shape, const std::string& notes, bool 
         bytes += *text + '\n';
     }
     if (with_label) bytes += shape.label + '\n' + std::to_string(shape.dimension) + '\n';
-    for (const double x : {shape.extent_radius, shape.volume, shape.scale}) {
+    const auto append = [&](double x) {
         const double canonical = std::isnan(x) ? 0.0 : x;
         bytes.append(reinterpret_cast<const char*>(&canonical), sizeof canonical);
-    }
+    };
+    for (const double x : {shape.extent_radius, shape.volume, shape.scale}) append(x);
+    if (shape.fullness > 0.0) append(shape.fullness);  // earlier studies did not measure it
     return digest(bytes);
 }
 
@@ -107,7 +110,11 @@ struct ResultStore::Impl {
         }
         if (access != Access::glance) expect_sound();
         expect_tables();
-        if (access == Access::write) database.execute("PRAGMA journal_mode = WAL");  // a copy may have lost that
+        if (access != Access::write) return;
+        database.execute("PRAGMA journal_mode = WAL");  // a copy may have lost that
+        if (!has_fullness()) {
+            database.execute("ALTER TABLE shapes ADD COLUMN " + std::string(fullness_column) + " REAL");
+        }
     }
     void expect_sound() const {
         // Not quick_check: it does not see that keys of a tree are out of order, and a search in such a tree misses
@@ -138,6 +145,10 @@ struct ResultStore::Impl {
             }
             find.reset();
         }
+    }
+    [[nodiscard]] bool has_fullness() const {
+        Statement find = database.prepare("SELECT 1 FROM pragma_table_info('shapes') WHERE name = ?");
+        return find.bind(1, fullness_column).step();
     }
     /// The caller holds the mutex.
     void put_geodesic(const StoredGeodesic& g) const {
@@ -222,15 +233,14 @@ void ResultStore::set_fact(std::string_view key, std::string_view value) {
 std::vector<StoredShape> ResultStore::shapes() const {
     Statement s = impl_->database.prepare(
         "SELECT name, path, label, dimension, file_digest, reading, placing, extent_radius, content_digest, volume, "
-        "scale, "
-        "notes, problem "
-        "FROM shapes ORDER BY name");
+        "scale, notes, problem, " +
+        std::string(impl_->has_fullness() ? fullness_column : "NULL") + " FROM shapes ORDER BY name");
     std::vector<StoredShape> shapes;
     while (s.step()) {
         StoredShape shape{s.text(0), s.text(1),   s.text(2),    static_cast<int>(s.integer(3)),
                           s.text(4), s.text(5),   s.text(6),    s.number(7),
-                          s.text(8), s.number(9), s.number(10), {},
-                          s.text(12)};
+                          s.text(8), s.number(9), s.number(10), s.is_null(13) ? 0.0 : s.number(13),
+                          {},        s.text(12)};
         const std::size_t space = shape.placing.find(' ');
         const std::string seal = space == std::string::npos ? "" : shape.placing.substr(space + 1);
         shape.placing.resize(std::min(space, shape.placing.size()));
@@ -254,13 +264,13 @@ std::vector<StoredShape> ResultStore::shapes() const {
 void ResultStore::put_shape(const StoredShape& shape) {
     const std::scoped_lock lock(impl_->mutex);
     Statement s =
-        impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        impl_->database.prepare("INSERT OR REPLACE INTO shapes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     const std::string notes = json(shape.notes).dump(-1, ' ', false, json::error_handler_t::replace);
     const std::string placing = shape.placing + " " + shape_seal(shape, notes);
     s.bind(1, shape.name).bind(2, shape.path).bind(3, shape.label).bind(4, shape.dimension).bind(5, shape.file_digest);
     s.bind(6, shape.reading).bind(7, placing).bind(8, shape.extent_radius).bind(9, shape.content_digest);
     s.bind(10, shape.volume).bind(11, shape.scale);
-    s.bind(12, notes).bind(13, shape.problem).run();
+    s.bind(12, notes).bind(13, shape.problem).bind(14, shape.fullness).run();
 }
 
 void ResultStore::remove_shapes(const std::vector<std::string>& names) {

@@ -29,6 +29,7 @@ struct StoredShape {
     std::string content_digest;  ///< of the level set; empty if the file could not be used
     double volume = 0.0;         ///< area (volume) in units of the cube
     double scale = 1.0;          ///< cube units per file unit
+    double fullness = 0.0;       ///< how full it is (geodesic/grid/measures.h); 0 if not measured
     std::vector<std::string> notes;
     std::string problem;   ///< why the file could not be used; empty if it could
     bool damaged = false;  ///< the row is not as it was written: `problem` says so, only the file itself knows more

@@ -17,7 +17,8 @@ struct PairSelection {
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
         visit("both-directions", self.both_directions,
-              "compute both directions of every pair and use the mean; else one, from the larger shape to the smaller");
+              "compute both directions of every pair and use the mean; else one, from the fuller shape to the one with "
+              "more gaps");
         visit("neighbors", self.neighbors,
               "k > 0: solve all pairs coarsely and only those finely that can be among the k nearest of a shape; the "
               "others get an estimate and are marked; 0: all pairs finely");

@@ -14,7 +14,7 @@ namespace morphodesic::pipeline {
 namespace {
 
 using nlohmann::json;
-constexpr int plan_version = 3;
+constexpr int plan_version = 4;
 
 std::string id_of(const std::string& text) {
     return digest(text).substr(0, 8);
@@ -50,7 +50,7 @@ std::string ShardPlan::text() const {
         list.push_back({t.shard, t.rows_begin, t.rows_end, t.columns_begin, t.columns_end, t.missing});
     }
     for (const auto& [digest, traits] : shapes) {
-        digests.push_back({digest, traits.masked, traits.volume, traits.extent_radius});
+        digests.push_back({digest, traits.masked, traits.volume, traits.extent_radius, traits.fullness});
     }
     return json{{"format", "morphodesic plan"},
                 {"version", plan_version},
@@ -155,7 +155,7 @@ ShardPlan read_plan(const ResultStore& plan_file) {
     plan.settings = settings_from_text(j.at("settings").get<std::string>());
     plan.geodesic = settings_from_text(j.at("geodesic").get<std::string>()).geodesic;
     for (const json& shape : j.at("shapes"))
-        plan.shapes.emplace_back(shape[0].get<std::string>(), ShapeTraits{shape[1], shape[2], shape[3]});
+        plan.shapes.emplace_back(shape[0].get<std::string>(), ShapeTraits{shape[1], shape[2], shape[3], shape[4]});
     for (const json& t : j.at("tiles")) plan.tiles.push_back({t[1], t[2], t[3], t[4], t[0], t[5]});
     plan.id = id_of(*text);
     return plan;

@@ -1,13 +1,14 @@
 #include "pipeline/wanted_pairs.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/digest.h"
 
 namespace morphodesic::pipeline {
 
 ShapeTraits traits_of(const StoredShape& shape, bool masked) {
-    return {masked, shape.volume, shape.extent_radius * shape.scale};
+    return {masked, shape.volume, shape.extent_radius * shape.scale, shape.fullness * std::pow(shape.volume, 0.05)};
 }
 
 void add_shape(DifferentShapes& shapes, const std::string& content_digest, const ShapeTraits& traits) {
@@ -15,17 +16,20 @@ void add_shape(DifferentShapes& shapes, const std::string& content_digest, const
     if (added) return;
     at->second.volume = std::min(at->second.volume, traits.volume);
     at->second.extent_radius = std::min(at->second.extent_radius, traits.extent_radius);
+    at->second.fullness = std::min(at->second.fullness, traits.fullness);
 }
 
 GeodesicKey oriented_pair(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b) {
     const auto key = [](const auto& first, const auto& second) { return GeodesicKey(first.first, second.first); };
     const ShapeTraits &x = a.second, &y = b.second;
     if (x.masked != y.masked) return x.masked ? key(a, b) : key(b, a);
-    const bool measured = x.extent_radius > 0.0 && y.extent_radius > 0.0;
-    const auto size = [&](const ShapeTraits& t) {
-        return t.volume * (measured ? t.extent_radius * t.extent_radius : 1.0);
+    const bool has_fullness = x.fullness > 0.0 && y.fullness > 0.0;
+    const bool has_extent = x.extent_radius > 0.0 && y.extent_radius > 0.0;
+    const auto rank = [&](const ShapeTraits& t) {
+        if (has_fullness) return t.fullness;
+        return t.volume * (has_extent ? t.extent_radius * t.extent_radius : 1.0);
     };
-    if (size(x) != size(y)) return size(x) > size(y) ? key(a, b) : key(b, a);
+    if (rank(x) != rank(y)) return rank(x) > rank(y) ? key(a, b) : key(b, a);
     return a.first < b.first ? key(a, b) : key(b, a);
 }
 

@@ -17,6 +17,7 @@ struct ShapeTraits {
     bool masked = false;         ///< has an occlusion mask
     double volume = 0.0;         ///< area (volume) in units of the cube
     double extent_radius = 0.0;  ///< in units of the cube; 0 if not measured
+    double fullness = 0.0;       ///< times volume^(1/20), which tells copies of other size apart; 0 if not measured
 
     friend bool operator==(const ShapeTraits&, const ShapeTraits&) = default;
 };
@@ -29,10 +30,11 @@ using DifferentShapes = std::map<std::string, ShapeTraits>;
 /// Adds a shape; of files with equal content the order does not matter.
 void add_shape(DifferentShapes& shapes, const std::string& content_digest, const ShapeTraits& traits);
 
-/// Direction of a pair. An occluded shape comes first (its mask belongs to the first step); else the larger one by
-/// volume times squared extent, which no rigid motion changes, so that the direction does not either (paths from large
-/// to small are also nearer to the closed forms); else the order of the digests decides. What the files are called and
-/// in what order they come does not matter.
+/// Direction of a pair. An occluded shape comes first (its mask belongs to the first step), else the fuller one: the
+/// stiffness of a step is that of the shape it begins with, so gaps that close cost too little in long steps, gaps that
+/// open do not (geodesic/MEASUREMENTS.md, revision 20), and paths from large to small are nearer to the closed forms.
+/// Shapes of studies that did not measure that go by volume times squared extent; else the order of the digests
+/// decides. What the files are called and in what order they come does not matter.
 [[nodiscard]] GeodesicKey oriented_pair(const DifferentShapes::value_type& a, const DifferentShapes::value_type& b);
 
 /// The geodesics that make the distance of a pair: one, or both directions if that is asked for; a pair with one

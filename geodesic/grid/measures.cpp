@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace morphodesic {
@@ -136,6 +137,37 @@ ShapeMeasures measure(const LevelSet<Dim>& u) {
     return result;
 }
 
+template <int Dim>
+double fullness(const LevelSet<Dim>& u) {
+    const double h = u.grid.spacing();
+    double volume = 0.0, surface = 0.0, moment = 0.0;  // in cells
+    Point<Dim> centroid{};
+    const auto visit = [&](auto&& add) {
+        for (std::size_t i = 0; i < u.values.size(); ++i) {
+            const double share = std::clamp(u.values[i] / h + 0.5, 0.0, 1.0);
+            if (share > 0.0) add(share, u.grid.position(u.grid.node(i)));
+        }
+    };
+    visit([&](double share, const Point<Dim>& x) {
+        volume += share;
+        for (std::size_t a = 0; a < Dim; ++a) centroid[a] += share * x[a];
+    });
+    if (!(volume > 0.0)) return 0.0;
+    for (double& c : centroid) c /= volume;
+    visit([&](double share, const Point<Dim>& x) {
+        for (std::size_t a = 0; a < Dim; ++a) moment += share * (x[a] - centroid[a]) * (x[a] - centroid[a]);
+    });
+    for (const double value : u.values) surface += std::max(0.0, 0.5 - 0.25 * std::abs(value) / h);  // a hat of 4 h
+    const double gyration = std::sqrt(moment / volume) / h;
+    const auto of = [](double v, double g, double s) {
+        return v / std::pow(g, Dim) * std::pow(v, (Dim - 1.0) / Dim) / s;
+    };
+    const double unit_ball = Dim == 2 ? std::numbers::pi : 4.0 / 3.0 * std::numbers::pi;
+    return of(volume, gyration, surface) / of(unit_ball, std::sqrt(Dim / (Dim + 2.0)), Dim * unit_ball);
+}
+
+template double fullness<2>(const LevelSet<2>&);
+template double fullness<3>(const LevelSet<3>&);
 template detail::SimplexPart detail::simplex_part<2>(const std::array<Point<2>, 3>&, const std::array<double, 3>&);
 template detail::SimplexPart detail::simplex_part<3>(const std::array<Point<3>, 4>&, const std::array<double, 4>&);
 template ShapeMeasures measure<2>(const LevelSet<2>&);

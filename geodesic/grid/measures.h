@@ -18,6 +18,15 @@ struct ShapeMeasures {
 template <int Dim>
 ShapeMeasures measure(const LevelSet<Dim>& u);
 
+/// How full a shape is: V / g^Dim times V^((Dim - 1) / Dim) / S, with the volume V, the radius of gyration g (root mean
+/// square distance from the centroid) and the surface S, in units of what a ball has. Gaps, holes and limbs lower it;
+/// size and rigid motions do not change it. Nodes count by how far they are from the contour, so that the error is of
+/// second order in h.
+/// @param u  signed distance
+/// @return 1 for a ball, less for all else; 0 without an object
+template <int Dim>
+double fullness(const LevelSet<Dim>& u);
+
 /// Volume of the part of the object where inside(centre of a simplex) holds.
 template <int Dim, class Inside>
 double volume_where(const LevelSet<Dim>& u, Inside&& inside);

@@ -111,11 +111,13 @@ TEST_F(Store, ADamagedShapeHasAProblemAndNothingElse) {
     shape.reading = "reading";
     shape.placing = "placing";
     shape.content_digest = "content";
+    shape.fullness = 0.25;
     ResultStore store(file_, ResultStore::Access::write);
     store.put_shape(shape);
     EXPECT_FALSE(store.shapes().front().damaged);
     EXPECT_EQ(store.shapes().front().placing, "placing");
-    for (const char* change : {"label = 'other'", "name = 'y.png'", "volume = 2", "content_digest = 'other'"}) {
+    for (const char* change : {"label = 'other'", "name = 'y.png'", "volume = 2", "content_digest = 'other'",
+                               "fullness = 2", "fullness = NULL"}) {
         store.put_shape(shape);
         Database(file_, true).execute(std::string("UPDATE shapes SET ") + change);
         const StoredShape row = store.shapes().front();
@@ -139,6 +141,23 @@ TEST_F(Store, AShapeSealedWithoutItsClassAsInTheFirstStudiesIsSound) {
     Database(file_, true).execute("UPDATE shapes SET placing = 'placing " + seal + "'");
     EXPECT_FALSE(store.shapes().front().damaged);
     EXPECT_EQ(store.shapes().front().placing, "placing");
+}
+
+TEST_F(Store, FullnessIsAddedToStudiesThatDidNotMeasureIt) {
+    StoredShape shape;
+    shape.name = "old.png";
+    ResultStore(file_, ResultStore::Access::write).put_shape(shape);
+    Database(file_, true).execute("ALTER TABLE shapes DROP COLUMN fullness");
+    for (const auto access : {ResultStore::Access::read, ResultStore::Access::write}) {
+        const StoredShape old = ResultStore(file_, access).shapes().front();
+        EXPECT_FALSE(old.damaged);
+        EXPECT_EQ(old.fullness, 0.0);
+    }
+    shape.name = "younger.png";
+    shape.fullness = 0.25;
+    ResultStore store(file_, ResultStore::Access::write);
+    store.put_shape(shape);
+    EXPECT_EQ(store.shapes().back().fullness, 0.25);
 }
 
 TEST_F(Store, FactsAndSettingsAreKept) {

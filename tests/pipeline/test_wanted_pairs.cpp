@@ -20,6 +20,27 @@ TEST(WantedPairs, OfEqualVolumesTheMoreExtendedComesFirst) {
     EXPECT_EQ(oriented_pair(longish, round), GeodesicKey("b", "a"));
 }
 
+StoredShape measured(double volume, double fullness) {
+    StoredShape shape;
+    shape.volume = volume;
+    shape.fullness = fullness;
+    return shape;
+}
+
+TEST(WantedPairs, TheFullerShapeComesFirst) {
+    const Shape disk{"a", traits_of(measured(0.1, 1.0), false)}, ring{"b", traits_of(measured(0.2, 0.3), false)};
+    EXPECT_EQ(oriented_pair(disk, ring), GeodesicKey("a", "b"));
+    EXPECT_EQ(oriented_pair(ring, disk), GeodesicKey("a", "b"));
+    const Shape larger{"c", traits_of(measured(0.11, 1.0 - 1e-3), false)};  // as full, but for what the grid sees
+    EXPECT_EQ(oriented_pair(disk, larger), GeodesicKey("c", "a"));
+}
+
+TEST(WantedPairs, ShapesOfEarlierStudiesKeepTheirDirection) {
+    const Shape unknown{"a", {false, 0.05, 0.2}}, full{"b", {false, 0.04, 0.2, 9.0}};
+    EXPECT_EQ(oriented_pair(unknown, full), GeodesicKey("a", "b"));
+    EXPECT_EQ(oriented_pair(full, unknown), GeodesicKey("a", "b"));
+}
+
 TEST(WantedPairs, WithoutExtentTheVolumeDecides) {
     const Shape unknown{"a", {false, 0.05, 0.0}}, small{"b", {false, 0.04, 0.9}}, large{"c", {false, 0.06, 0.1}};
     EXPECT_EQ(oriented_pair(unknown, small), GeodesicKey("a", "b"));
@@ -39,7 +60,7 @@ TEST(WantedPairs, AnOccludedShapeComesFirstAndHasOneDirection) {
 }
 
 TEST(WantedPairs, TheOrderOfEqualFilesDoesNotMatter) {
-    const ShapeTraits one{false, 0.05, 0.2}, other{false, 0.05 + 1e-15, 0.2 - 1e-15};
+    const ShapeTraits one{false, 0.05, 0.2, 1.0}, other{false, 0.05 + 1e-15, 0.2 - 1e-15, 1.0 + 1e-15};
     DifferentShapes there, back;
     add_shape(there, "a", one);
     add_shape(there, "a", other);

@@ -39,6 +39,34 @@ TEST(Measures, DiskAndBallConvergeWithSecondOrder) {
     EXPECT_LT(ball_error[1], 0.01 * 4.0 / 3.0 * pi * 0.027);
 }
 
+TEST(Measures, FullnessOfBallsIsOneAndGapsLowerIt) {
+    double disk_error[2], ball_error[2], ring_error[2];
+    // A ring of radii r and R: V / g^2 = 2 pi (R^2 - r^2) / (R^2 + r^2), sqrt(V) / S = sqrt((R - r) / (R + r) / pi)
+    // / 2.
+    const double r = 0.15, R = 0.35, volume = R * R - r * r;
+    const double exact = volume / (R * R + r * r) * std::sqrt(volume) / (R + r);
+    for (int i = 0; i < 2; ++i) {
+        disk_error[i] = std::abs(fullness(tests::ball<2>(5 + i, 0.3, {0.43, 0.55})) - 1.0);
+        ball_error[i] = std::abs(fullness(tests::ball<3>(4 + i, 0.3)) - 1.0);
+        ring_error[i] = std::abs(fullness(level_set_of<2>(5 + i, ring)) / exact - 1.0);
+    }
+    for (const auto& error : {disk_error, ball_error, ring_error}) {
+        EXPECT_LT(error[1], std::max(0.4 * error[0], 1e-3));
+        EXPECT_LT(error[1], 0.015);
+    }
+    EXPECT_EQ(fullness(tests::ball<2>(5, -0.1)), 0.0);
+}
+
+TEST(Measures, FullnessDoesNotSeeMotionsOrSize) {
+    const auto box = [](double half, double angle, Point<2> centre) {
+        return fullness(tests::turned_box<2>(7, {half, 0.3 * half}, centre, angle));
+    };
+    const double as_it_is = box(0.3, 0.0, {0.5, 0.5});
+    EXPECT_LT(as_it_is, 0.7);
+    EXPECT_NEAR(box(0.3, 0.7, {0.47, 0.52}) / as_it_is, 1.0, 2e-3);
+    EXPECT_NEAR(box(0.36, 0.0, {0.5, 0.5}) / as_it_is, 1.0, 5e-3);
+}
+
 TEST(Measures, HalfSpacesAreExact) {
     const auto plane = level_set_of<3>(3, [](const Point<3>& x) { return x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55; });
     const auto rest = level_set_of<3>(3, [](const Point<3>& x) { return -(x[0] + 0.5 * x[1] - 0.25 * x[2] - 0.55); });

@@ -131,8 +131,8 @@ TEST(Study, PathsStartFromTheSameShapeHoweverThePicturesAreTurned) {
             const Outcome done = morphodesic(quick({"run", shapes.string(), "--normalize", normalize, "--quiet"}));
             ASSERT_EQ(done.code, 0) << done.err;
             const std::string pairs = read_file(shapes.string() + ".study/pairs.csv");
-            EXPECT_THAT(pairs, HasSubstr(",corner.png,4,2,")) << normalize << " " << angle;
-            EXPECT_THAT(pairs, testing::Not(HasSubstr(",bar.png,4"))) << normalize << " " << angle;
+            EXPECT_THAT(pairs, HasSubstr(",bar.png,4,2,")) << normalize << " " << angle;
+            EXPECT_THAT(pairs, testing::Not(HasSubstr(",corner.png,4"))) << normalize << " " << angle;
         }
     }
 }
