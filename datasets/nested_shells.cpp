@@ -13,8 +13,8 @@
 namespace morphodesic::datasets {
 namespace {
 
-constexpr double least_share_of_area =
-    0.01;                             // of all: the smaller ones hold less than the smallest cavity that is kept
+/// Share of the area of all shells: the smaller ones hold less than the smallest cavity that is kept.
+constexpr double least_share_of_area = 0.01;
 constexpr int most_samples = 200;     // of a shell
 constexpr double all_of_it = 0.95;    // of the samples: some lie near holes
 constexpr double shut = 0.9;          // a ball without 20 % of its surface still is

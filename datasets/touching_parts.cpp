@@ -12,8 +12,8 @@ namespace morphodesic::datasets {
 namespace {
 
 constexpr double widest_slit = 0.01;  // cells
-constexpr double least_touching_area =
-    16.0;                            // cells^2, of both faces together: balls that meet at a point have 5 of it
+/// In cells^2, of both faces together: balls that meet at a point have 5 of it.
+constexpr double least_touching_area = 16.0;
 constexpr double sample_area = 4.0;  // cells^2, of the surface per sample
 
 /// Which boxes have a common point with which others.

@@ -10,7 +10,6 @@
 #include "pipeline/figures/path_rows.h"
 
 namespace morphodesic::pipeline {
-namespace {}  // namespace
 
 Figure figure_cracks(const FigureOptions& options) {
     GeodesicOptions free = options.geodesic();
