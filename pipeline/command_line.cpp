@@ -236,6 +236,8 @@ void CommandLine::add_geodesic() {
         command("geodesic", "compute one geodesic between two shapes.",
                 preset_help() +
                     "\nBoth shapes are placed at the same scale, so that size differences count.\n"
+                    "The path leads from a to b. Where gaps close on the way, few steps make it too short; studies\n"
+                    "compute such a pair the other way round (path_from in their pairs.csv).\n"
                     "Examples:\n"
                     "  morphodesic geodesic cat.png dog.png\n"
                     "  morphodesic geodesic cat.png dog.png --preset fine --out path   pictures: path/*.png\n"
