@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "geodesic/grid/moments.h"
 #include "geodesic/grid/transfer.h"
 #include "geodesic/solver/path_window.h"
 
@@ -45,27 +46,16 @@ SolidReach SolidReach::scaled(double factor) const {
 SolidReach reach_of(const LevelSet<3>& u) {
     const LevelSet<3> coarse = restricted(u, std::min(u.grid.level(), reach_level));
     const double h = coarse.grid.spacing();
+    const Moments<3> moments(coarse);
+    if (!(moments.volume > 0.0)) return reach_of_ball(0.5);
     // With the nodes that are less than a cell outside: no part is so thin that all of it lies between nodes.
-    std::vector<Eigen::Vector3d> near;
-    std::vector<double> weight;
-    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-    double volume = 0.0;
+    std::vector<Eigen::Vector3d> near;  // seen from the centroid
     for (std::size_t i = 0; i < coarse.values.size(); ++i) {
         if (coarse.values[i] <= -h) continue;
         const auto p = coarse.grid.position(coarse.grid.node(i));
-        near.emplace_back(p[0], p[1], p[2]);
-        weight.push_back(std::clamp(0.5 + coarse.values[i] / h, 0.0, 1.0));
-        volume += weight.back();
-        centroid += weight.back() * near.back();
+        near.push_back(Eigen::Vector3d(p[0], p[1], p[2]) - moments.centroid);
     }
-    if (!(volume > 0.0)) return reach_of_ball(0.5);
-    centroid /= volume;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < near.size(); ++i) {
-        near[i] -= centroid;
-        covariance += weight[i] / volume * near[i] * near[i].transpose();
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);  // increasing
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(moments.covariance);  // increasing
     const Eigen::Vector3d variance = axes.eigenvalues();
     SolidReach reach;
     const auto cylinder = [&](int which, bool clear) {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "geodesic/grid/moments.h"
+
 namespace morphodesic {
 
 namespace {
@@ -140,30 +142,16 @@ ShapeMeasures measure(const LevelSet<Dim>& u) {
 template <int Dim>
 double fullness(const LevelSet<Dim>& u) {
     const double h = u.grid.spacing();
-    double volume = 0.0, surface = 0.0, moment = 0.0;  // in cells
-    Point<Dim> centroid{};
-    const auto visit = [&](auto&& add) {
-        for (std::size_t i = 0; i < u.values.size(); ++i) {
-            const double share = std::clamp(u.values[i] / h + 0.5, 0.0, 1.0);
-            if (share > 0.0) add(share, u.grid.position(u.grid.node(i)));
-        }
-    };
-    visit([&](double share, const Point<Dim>& x) {
-        volume += share;
-        for (std::size_t a = 0; a < Dim; ++a) centroid[a] += share * x[a];
-    });
-    if (!(volume > 0.0)) return 0.0;
-    for (double& c : centroid) c /= volume;
-    visit([&](double share, const Point<Dim>& x) {
-        for (std::size_t a = 0; a < Dim; ++a) moment += share * (x[a] - centroid[a]) * (x[a] - centroid[a]);
-    });
+    const Moments<Dim> moments(u);
+    if (!(moments.volume > 0.0)) return 0.0;
+    double surface = 0.0;  // in faces of cells
     for (const double value : u.values) surface += std::max(0.0, 0.5 - 0.25 * std::abs(value) / h);  // a hat of 4 h
-    const double gyration = std::sqrt(moment / volume) / h;
+    const double gyration = std::sqrt(moments.covariance.trace()) / h;
     const auto of = [](double v, double g, double s) {
         return v / std::pow(g, Dim) * std::pow(v, (Dim - 1.0) / Dim) / s;
     };
     const double unit_ball = Dim == 2 ? std::numbers::pi : 4.0 / 3.0 * std::numbers::pi;
-    return of(volume, gyration, surface) / of(unit_ball, std::sqrt(Dim / (Dim + 2.0)), Dim * unit_ball);
+    return of(moments.volume, gyration, surface) / of(unit_ball, std::sqrt(Dim / (Dim + 2.0)), Dim * unit_ball);
 }
 
 template double fullness<2>(const LevelSet<2>&);

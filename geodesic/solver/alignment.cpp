@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "geodesic/grid/moments.h"
 #include "geodesic/grid/transfer.h"
 #include "geodesic/kernels/alignment_kernel.h"
 #include "geodesic/kernels/heaviside_kernel.h"
@@ -25,31 +26,6 @@ template <int Dim>
 Vector<Dim> as_vector(const Point<Dim>& x) {
     return Eigen::Map<const Vector<Dim>>(x.data());
 }
-
-/// Centroid and second moments of H_eps(u).
-template <int Dim>
-struct Moments {
-    double volume = 0.0;
-    Vector<Dim> centroid = Vector<Dim>::Zero();
-    Matrix<Dim> covariance = Matrix<Dim>::Zero();
-
-    explicit Moments(const LevelSet<Dim>& u) {
-        // A narrow eps: the tails of H_eps reach across the cube and would pull the centroid to its centre.
-        const double eps = 0.25 * u.grid.spacing();
-        const auto inside = [&](std::size_t i) { return std::clamp(0.5 + u.values[i] / (4 * eps), 0.0, 1.0); };
-        for (std::size_t i = 0; i < u.values.size(); ++i) {
-            const double w = inside(i);
-            volume += w;
-            centroid += w * as_vector<Dim>(u.grid.position(u.grid.node(i)));
-        }
-        if (!(volume > 0)) throw std::invalid_argument("align: a shape is empty on the grid");
-        centroid /= volume;
-        for (std::size_t i = 0; i < u.values.size(); ++i) {
-            const Vector<Dim> x = as_vector<Dim>(u.grid.position(u.grid.node(i))) - centroid;
-            covariance += inside(i) / volume * x * x.transpose();
-        }
-    }
-};
 
 template <int Dim>
 struct Motion {
@@ -196,6 +172,9 @@ std::vector<AlignmentCandidate<Dim>> align(const LevelSet<Dim>& a, const LevelSe
     const int coarse = std::min(top, 4);
     const auto coarse_a = restricted(a, top), coarse_b = restricted(b, top);
     const Moments<Dim> moments_a(coarse_a), moments_b(coarse_b);
+    if (!(moments_a.volume > 0.0 && moments_b.volume > 0.0)) {
+        throw std::invalid_argument("align: a shape is empty on the grid");
+    }
     const Vector<Dim> centre = Vector<Dim>::Constant(0.5);
 
     struct Candidate {

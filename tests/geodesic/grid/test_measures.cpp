@@ -41,8 +41,7 @@ TEST(Measures, DiskAndBallConvergeWithSecondOrder) {
 
 TEST(Measures, FullnessOfBallsIsOneAndGapsLowerIt) {
     double disk_error[2], ball_error[2], ring_error[2];
-    // A ring of radii r and R: V / g^2 = 2 pi (R^2 - r^2) / (R^2 + r^2), sqrt(V) / S = sqrt((R - r) / (R + r) / pi)
-    // / 2.
+    // A ring of radii r and R: g^2 = (R^2 + r^2) / 2.
     const double r = 0.15, R = 0.35, volume = R * R - r * r;
     const double exact = volume / (R * R + r * r) * std::sqrt(volume) / (R + r);
     for (int i = 0; i < 2; ++i) {
