@@ -34,6 +34,16 @@ void for_nodes(const DyadicGrid<Dim>& grid, const Body& body) {
     });
 }
 
+/// body(i, its index on each axis) for one node after the other.
+template <int Dim, class Body>
+void for_each_node(const DyadicGrid<Dim>& grid, const Body& body) {
+    typename DyadicGrid<Dim>::Index node{};
+    for (std::size_t i = 0; i < grid.node_count(); ++i) {
+        body(i, node);
+        for (std::size_t a = 0; a < Dim && ++node[a] == grid.nodes(static_cast<int>(a)); ++a) node[a] = 0;
+    }
+}
+
 /// visit(first node) for cells that are marked, in the order of the grid, if their index on the last axis lies in
 /// [begin, end). mark(node, flags) marks those of the row that starts at a node in flags, [cells of a row], and says
 /// whether there is any.

@@ -70,14 +70,6 @@ std::array<float, Dim> slope(const DyadicGrid<Dim>& grid, const std::array<int, 
     return d;
 }
 
-template <int Dim>
-void for_each_node(const DyadicGrid<Dim>& grid, const auto& body) {
-    std::array<int, Dim> node{};
-    for (std::size_t i = 0; i < grid.node_count(); ++i) {
-        body(i, node);
-        for (std::size_t a = 0; a < Dim && ++node[a] == grid.nodes(static_cast<int>(a)); ++a) node[a] = 0;
-    }
-}
 /// grad u at the nodes, weighted by delta_eps^2 over the quadrature points around: what counts is the rim, and it is
 /// narrower than a cell. Far from the rim: central differences.
 template <int Dim>
@@ -111,7 +103,7 @@ std::array<std::vector<float>, Dim> rim_gradient(const DyadicGrid<Dim>& grid, st
             }
         }
     });
-    for_each_node<Dim>(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
+    for_each_node(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
         constexpr float floor = 1e-3F;
         const auto g = slope<Dim>(grid, node, u, i);
         for (std::size_t a = 0; a < Dim; ++a) sum[a][i] = (sum[a][i] + floor * g[a]) / (weight[i] + floor);
@@ -190,7 +182,7 @@ void Trajectories<Dim>::differentiate(const PathEnergy<Dim>& energy, std::span<c
     const auto& grid = layout_.grid;
     for_indices(0, layout_.time_steps, [&](int k) {
         Frame& frame = frames_[static_cast<std::size_t>(k)];
-        for_each_node<Dim>(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
+        for_each_node(grid, [&](std::size_t i, const std::array<int, Dim>& node) {
             Matrix<Dim> back = Matrix<Dim>::Identity(), forth = Matrix<Dim>::Identity();
             for (int r = 0; r < Dim; ++r) {
                 const auto s = slope<Dim>(grid, node, frame.origin[static_cast<std::size_t>(r)].data(), i);

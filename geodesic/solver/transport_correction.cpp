@@ -7,6 +7,7 @@
 #include "geodesic/grid/node_loop.h"
 #include "geodesic/grid/q1_element.h"
 #include "geodesic/solver/mismatch_points.h"
+#include "geodesic/solver/move_elasticity.h"
 
 namespace morphodesic {
 
@@ -120,7 +121,6 @@ void TransportCorrection<Dim>::build(const PathEnergy<Dim>& energy, std::span<co
                                      const std::vector<std::vector<float>>& weights,
                                      const std::vector<std::vector<float>>& inverse_u) {
     constexpr std::size_t entries = kernels::symmetric_entries<Dim>;
-    const auto corners = q1::corner_offsets(coarse_);
     const std::size_t coarse_nodes = coarse_.node_count();
     const int steps = layout_.time_steps;
     trajectories_.finish();
@@ -132,48 +132,26 @@ void TransportCorrection<Dim>::build(const PathEnergy<Dim>& energy, std::span<co
             level_unit_[k][i] = near_contour(u[i], energy.eps()) * std::sqrt(2.0F * inverse_u[k][i]);
         }
     }
-    // Per frame: what comes from its nodes.
-    struct Sums {
-        std::vector<float> weight, share;
-    };
-    std::vector<Sums> sums(static_cast<std::size_t>(steps));
-    for_indices(0, steps, [&](int k) {
-        Sums& sum = sums[static_cast<std::size_t>(k)];
-        const auto& frame = trajectories_.frame(k);
-        sum.weight.assign(coarse_nodes, 0.0F);
-        sum.share.assign(coarse_nodes, 0.0F);
-        for (std::size_t i = 0; i < layout_.nodes(); ++i) {
-            const auto s = frame.shares(i);
-            for (std::size_t c = 0; c < (1 << Dim); ++c) {
-                sum.weight[frame.cell[i] + corners[c]] += s[c] * weights[static_cast<std::size_t>(k)][i];
-                sum.share[frame.cell[i] + corners[c]] += s[c];
-            }
-        }
-    });
-
-    std::vector<float> weight(coarse_nodes, 0.0F), share(coarse_nodes, 0.0F);
+    MoveElasticity<Dim> elasticity(trajectories_, layout_.grid, coarse_, weights);
     typename VCycle<Dim>::Mass rest;
     for (auto& m : rest) m.assign(coarse_nodes, 0.0F);
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-        for (std::size_t i = 0; i < coarse_nodes; ++i) {
-            weight[i] += sums[k].weight[i];
-            share[i] += sums[k].share[i];
-            for (std::size_t e = 0; e < entries; ++e) rest[e][i] += rest_[k][e][i] / static_cast<float>(steps - 1);
+    for (const auto& of_step : rest_) {
+        for (std::size_t e = 0; e < entries; ++e) {
+            for (std::size_t i = 0; i < coarse_nodes; ++i) rest[e][i] += of_step[e][i] / static_cast<float>(steps - 1);
         }
     }
     const auto floor =
         static_cast<float>(background * 2.0 * steps * (energy.options().mu + 0.25 * energy.options().lambda));
-    for (std::size_t i = 0; i < coarse_nodes; ++i) {  // frame 0 reaches every node: no share is 0
-        weight[i] = std::max(floor, weight[i] / share[i]);
-    }
+    for (float& w : elasticity.stiffness) w = std::max(floor, w);
     for_indices(1, steps, [&](int m) {
         const double s = std::sin(std::numbers::pi * m / (2 * steps));
         auto& mode = modes_[static_cast<std::size_t>(m - 1)];
-        mode.mass() = rest;
-        for (auto& entry : mode.mass()) {
-            for (float& v : entry) v *= static_cast<float>(rest_factor / (4.0 * s * s));
+        const auto factor = static_cast<float>(rest_factor / (4.0 * s * s));
+        for (std::size_t e = 0; e < entries; ++e) {
+            auto& mass = mode.mass()[e];
+            for (std::size_t i = 0; i < coarse_nodes; ++i) mass[i] = factor * rest[e][i] + elasticity.masses[e][i];
         }
-        mode.set_operator(weight);
+        mode.set_operator(elasticity.stiffness);
     });
 }
 
