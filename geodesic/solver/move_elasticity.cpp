@@ -10,8 +10,8 @@ namespace morphodesic {
 
 namespace {
 
-// Share of the jumps of A that is counted. They are those of single nodes; moves on the coarse grid, which the block
-// preconditioner corrects, need not avoid all of them. (Measured: 0.5 to 2 differ by 5 % in work.)
+// Share of what jumps of A cost that is counted: they are steps of single nodes, which the block preconditioner evens
+// out in part. (Measured: 0.5, 1 and 2 differ by 5 % in work.)
 constexpr float jump_share = 0.5F;
 // Jumps that resist a move by less than this part of the stiffness are left out: most of the cube has none.
 constexpr float least_jump = 1e-3F;

@@ -22,9 +22,10 @@ namespace morphodesic {
 /// With P_k(x) the material point at x in frame k, Phi_k its inverse, A_k = D Phi_k, they become
 ///   delta phi_k(x) = A_k v_k(P_{k-1}(x)),    delta u_k(x) = -(grad u_k A_k z_k)(P_k(x)) + d_k(x) y_k(P_k(x)),
 /// both fading out far from the contour (near_contour).
-/// In the basis cos(pi m (k - 1/2) / K) of the time steps the energy decouples: 2 c K times the elasticity of v_m, and
-/// what the transport leaves of the mismatch (contours are no straight lines) times 1 / (4 sin^2(pi m / 2 K)); each is
-/// solved by a V-cycle. The mismatch couples y_k in a chain with ends fixed, which is inverted exactly.
+/// In the basis cos(pi m (k - 1/2) / K) of the time steps the energy decouples: 2 c K times the elasticity of v_m
+/// (MoveElasticity), and what the transport leaves of the mismatch (contours are no straight lines) times
+/// 1 / (4 sin^2(pi m / 2 K)); each is solved by a V-cycle. The mismatch couples y_k in a chain with ends fixed, which
+/// is inverted exactly.
 template <int Dim>
 class TransportCorrection {
 public:
