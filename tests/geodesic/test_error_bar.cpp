@@ -107,9 +107,10 @@ TEST(ErrorBar, HoldsForTeethThatTheGridHardlySees) {
     options.align = "none";
     options.tolerance = 1e-3;
     for (const auto& [teeth, others, height] : {std::tuple(30, 23, 0.008), {36, 23, 0.012}}) {
+        const LevelSet<2> a = gear(7, teeth, height), b = gear(7, others, height);
         const auto solved = [&](int level) {
             options.level = level;
-            return compute_discrete_geodesic<2>(gear(7, teeth, height), gear(7, others, height), options);
+            return compute_discrete_geodesic<2>(a, b, options);
         };
         const auto coarse = solved(5), fine = solved(7);
         EXPECT_GT(fine.path_length, 1.5 * coarse.path_length) << "no case of what is tested";
