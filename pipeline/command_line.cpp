@@ -236,8 +236,9 @@ void CommandLine::add_geodesic() {
         command("geodesic", "compute one geodesic between two shapes.",
                 preset_help() +
                     "\nBoth shapes are placed at the same scale, so that size differences count.\n"
-                    "The path leads from a to b. Where gaps close on the way, few steps make it too short; studies\n"
-                    "compute such a pair the other way round (path_from in their pairs.csv).\n"
+                    "Where gaps close on the way, few steps make a path too short. So it is computed from the fuller\n"
+                    "of the two shapes, with fewer gaps and limbs, as in studies, whichever is named first (path_from\n"
+                    "in the answer); pictures lead from a to b.\n"
                     "Examples:\n"
                     "  morphodesic geodesic cat.png dog.png\n"
                     "  morphodesic geodesic cat.png dog.png --preset fine --out path   pictures: path/*.png\n"
@@ -250,6 +251,12 @@ void CommandLine::add_geodesic() {
            "lengths of the unit cube per pixel (per unit of a mesh), as the common-scale of a study; 0: the larger "
            "shape just fits. Only with --normalize common")
         ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    sub->add_option(
+           "--direction", pair.direction,
+           "the end that the path is computed from: auto, that of a study (one that is partly hidden, else the "
+           "fuller shape), or given: a")
+        ->check(CLI::IsMember({"auto", "given"}))
         ->capture_default_str();
     add_common(sub, pair.common, true);
     add_settings(sub, pair.settings, true);

@@ -44,8 +44,9 @@ struct StudyOptions {
 struct PairOptions {
     CommonOptions common;
     std::filesystem::path a, b;
-    std::filesystem::path out;  ///< folder for the pictures; empty: none are written
-    double scale = 0.0;         ///< for normalize common: cube units per file unit; 0: the larger shape just fits
+    std::filesystem::path out;       ///< folder for the pictures; empty: none are written
+    double scale = 0.0;              ///< for normalize common: cube units per file unit; 0: the larger shape just fits
+    std::string direction = "auto";  ///< which end the path is computed from: auto, as studies choose; given: a
     RunSettings settings;
 };
 

@@ -12,7 +12,6 @@
 #include <set>
 
 #include "datasets/interruption.h"
-#include "geodesic/solver/canonical_frame.h"
 #include "pipeline/shape_cache.h"
 #include "pipeline/whole_tasks.h"
 
@@ -154,7 +153,7 @@ StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>&
                                                   [&](const LevelReport&) { return !(stop && stop()); });
         });
         StoredGeodesic record = to_record(result, failed.a, failed.b, failed.settings_hash);
-        if (path) *path = in_pose_of_last(std::move(result));
+        if (path) *path = std::move(result);
         return record;
     } catch (const std::bad_alloc&) {
         failed.failure = "not enough memory; choose a lower --level or fewer --threads, and --retry-failed";

@@ -52,6 +52,7 @@ PairGraphSummary run_pair_graph(const Collection& collection, ResultStore& store
                                 Progress& progress);
 
 /// Solves one pair as the graph does; what the solver throws becomes the row's failure.
+/// @param path  receives the path as computed (in_pose_of_last turns it for pictures); nothing if there is none
 template <int Dim>
 [[nodiscard]] StoredGeodesic solve_pair(const ImportedShape<Dim>& a, const ImportedShape<Dim>& b,
                                         const GeodesicOptions& options, const std::function<bool()>& stop,

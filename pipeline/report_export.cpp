@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "geodesic/solver/canonical_frame.h"
 #include "pipeline/collection.h"
 #include "pipeline/commands/summary.h"
 #include "pipeline/exports.h"
@@ -88,6 +89,7 @@ DrawnPath pictures_of(const StoredGeodesic& g, const StoredShape& from, const St
                  ": drawing the path gave another length than the store has; was the store "
                  "made by another build? `morphodesic verify` tells more.";
     }
+    path = in_pose_of_last(std::move(path));
     DrawnPath drawn = draw_path(path, view);
     store.put_picture(key, pack(drawn));
     store.remove_pictures(beginning, key);  // seen from other sides, before the collection changed

@@ -1,5 +1,6 @@
 #include "pipeline/stored_geodesic.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -115,6 +116,22 @@ std::string StoredGeodesic::problem() const {
     if (!(min_det > 0))
         return "the deformations are not certified to be one-to-one (min det " + std::to_string(min_det) + ")";
     return {};
+}
+
+StoredGeodesic reversed(StoredGeodesic g) {
+    std::swap(g.a, g.b);
+    std::reverse(g.deformation_energy.begin(), g.deformation_energy.end());
+    std::reverse(g.mismatch_energy.begin(), g.mismatch_energy.end());
+    const std::vector<double> rotation = g.rotation, translation = g.translation;
+    const std::size_t dim = translation.size();
+    for (std::size_t a = 0; a < dim; ++a) {
+        g.translation[a] = 0.0;
+        for (std::size_t b = 0; b < dim; ++b) {
+            g.rotation[a * dim + b] = rotation[b * dim + a];
+            g.translation[a] -= rotation[b * dim + a] * translation[b];
+        }
+    }
+    return g;
 }
 
 template <int Dim>

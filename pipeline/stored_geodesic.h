@@ -34,6 +34,9 @@ inline constexpr std::array<double StoredGeodesic::*, 7> row_numbers{
     &StoredGeodesic::error,       &StoredGeodesic::extrapolated_length, &StoredGeodesic::min_det,
     &StoredGeodesic::seconds};
 
+/// The row of the same path walked back: from b to a, steps in reverse order, the motion that of b onto a.
+[[nodiscard]] StoredGeodesic reversed(StoredGeodesic geodesic);
+
 /// The row of a solver result.
 template <int Dim>
 [[nodiscard]] StoredGeodesic to_record(const GeodesicResult<Dim>& result, std::string a, std::string b,

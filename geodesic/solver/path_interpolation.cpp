@@ -151,11 +151,33 @@ LevelSet<Dim> shape_at(const GeodesicResult<Dim>& path, double t) {
     return result;
 }
 
+template <int Dim>
+GeodesicResult<Dim> reversed(GeodesicResult<Dim> path) {
+    for (Deformation<Dim>& phi : path.deformations) {
+        const auto& grid = phi.grid();
+        Deformation<Dim> back(grid);
+        for_nodes(grid, [&](std::size_t i) {
+            const Point<Dim> y = grid.position(grid.node(i)), x = inverse_at(phi, y);
+            for (std::size_t a = 0; a < Dim; ++a) back.displacement.components[a][i] = x[a] - y[a];
+        });
+        phi = std::move(back);
+    }
+    std::reverse(path.deformations.begin(), path.deformations.end());
+    std::reverse(path.shapes.begin(), path.shapes.end());
+    std::reverse(path.deformation_energy.begin(), path.deformation_energy.end());
+    std::reverse(path.mismatch_energy.begin(), path.mismatch_energy.end());
+    path.frame = path.frame.after(path.motion);
+    path.motion = path.motion.inverse();
+    return path;
+}
+
 template Point<2> inverse_at<2>(const Deformation<2>&, const Point<2>&, double);
 template Point<3> inverse_at<3>(const Deformation<3>&, const Point<3>&, double);
 template Deformation<2> deformation_at<2>(const GeodesicResult<2>&, double);
 template Deformation<3> deformation_at<3>(const GeodesicResult<3>&, double);
 template LevelSet<2> shape_at<2>(const GeodesicResult<2>&, double);
 template LevelSet<3> shape_at<3>(const GeodesicResult<3>&, double);
+template GeodesicResult<2> reversed<2>(GeodesicResult<2>);
+template GeodesicResult<3> reversed<3>(GeodesicResult<3>);
 
 }  // namespace morphodesic

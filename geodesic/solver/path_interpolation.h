@@ -23,4 +23,11 @@ Deformation<Dim> deformation_at(const GeodesicResult<Dim>& path, double t);
 template <int Dim>
 LevelSet<Dim> shape_at(const GeodesicResult<Dim>& path, double t);
 
+/// The path walked back, from its last shape to its first: shapes and energies of the steps in reverse order, inverse
+/// deformations sampled at the nodes, motion and frame such that in_pose_of_last gives the pose of what is now the last
+/// shape. Other numbers stay those of the path as computed; the fields are for pictures, what is certified is the path
+/// itself.
+template <int Dim>
+GeodesicResult<Dim> reversed(GeodesicResult<Dim> path);
+
 }  // namespace morphodesic

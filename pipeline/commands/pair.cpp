@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/solid_reader.h"
+#include "geodesic/solver/canonical_frame.h"
+#include "geodesic/solver/path_interpolation.h"
 #include "pipeline/collection.h"
 #include "pipeline/commands.h"
 #include "pipeline/commands/summary.h"
@@ -16,6 +18,7 @@
 #include "pipeline/solid_paths.h"
 #include "pipeline/stop_signals.h"
 #include "pipeline/study_folder.h"
+#include "pipeline/wanted_pairs.h"
 
 namespace morphodesic::pipeline {
 namespace {
@@ -45,6 +48,9 @@ ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::No
     result.row.name = raw.source.path.string();
     result.row.content_digest = shape.digest;
     result.row.volume = shape.volume;
+    result.row.extent_radius = raw.extent_radius;
+    result.row.fullness = shape.fullness;
+    result.row.scale = shape.scale;
     result.row.notes = shape.notes;
     result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(shape.level_set));
     if (!shape.occlusion_mask.values.empty()) {
@@ -69,6 +75,16 @@ std::vector<std::string> write_pictures(const StudyFolder& folder, const Geodesi
         for (std::string& name : write_pair_pictures(folder.path(), path, view)) files.push_back(std::move(name));
     }
     return files;
+}
+
+/// Whether the path is computed from b to a, as a study would.
+template <int Dim>
+bool is_backward(const PairOptions& options, const ImportedShape<Dim>& a, const ImportedShape<Dim>& b) {
+    if (options.direction == "given") return false;
+    const auto end = [](const ImportedShape<Dim>& shape) {
+        return DifferentShapes::value_type(shape.row.content_digest, traits_of(shape.row, shape.mask != nullptr));
+    };
+    return oriented_pair(end(a), end(b)).first != a.row.content_digest;
 }
 
 template <int Dim>
@@ -99,22 +115,26 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
                                     : "";
     if (!warning.empty()) std::cerr << "morphodesic: " << warning << "\n";
     const auto a = placed<Dim>(raw_a, placement), b = placed<Dim>(raw_b, placement);
+    const bool backward = is_backward(options, a, b);
+    const auto &from = backward ? b : a, &to = backward ? a : b;
     GeodesicResult<Dim> path;
     StoredGeodesic result = solve_pair<Dim>(
-        a, b, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
+        from, to, options.settings.geodesic, [] { return StopSignals::caught() != 0; }, &path);
     if (StopSignals::caught() != 0) return stopped_by_signal("; nothing was written");
+    if (backward) result = reversed(std::move(result));
 
     Summary summary;
     summary.data = to_json(result);
-    if (b.mask) {
+    if (to.mask) {
         summary.add_remark(
-            b.row.name +
-            ": what is hidden of the second shape counts as if it were not there; of a path the first shape may "
+            to.row.name +
+            ": what is hidden of it counts as if it were not there; of a path the shape that it is computed from may "
             "be partly hidden" +
-            (a.mask ? "." : ", so give this one first."));
+            (from.mask ? "." : ", so give this one first."));
     }
     summary.data["a"] = a.row.name;
     summary.data["b"] = b.row.name;
+    summary.data["path_from"] = from.row.name;
     summary.data["notes_a"] = a.row.notes;
     summary.data["notes_b"] = b.row.notes;
     for (const auto* shape : {&a, &b}) {
@@ -128,16 +148,18 @@ int solve(const PairOptions& options, const datasets::ShapeSource& source_a, con
         std::snprintf(text, sizeof text,
                       "path length   %.6g (error bar %.2g)\npath energy   %.6g\nmin det       %.4g (guaranteed: 1-1, "
                       "nothing shrinks to less than that share)\n"
-                      "termination   %s after %s",
+                      "termination   %s after %s\n"
+                      "computed from ",
                       result.path_length, result.error, result.path_energy, result.min_det,
                       to_string(result.termination), duration_text(result.seconds).c_str());
-        summary.lines.emplace_back(text);
+        summary.lines.emplace_back(text + from.row.name);
     }
     if (!options.out.empty()) {
         const StudyFolder folder(options.out);
         folder.create();
         const StudyLock lock(folder);
         remove_former_pictures(folder.path());
+        if (!path.shapes.empty()) path = in_pose_of_last(backward ? reversed(std::move(path)) : std::move(path));
         const std::vector<std::string> files = path.shapes.empty()
                                                    ? std::vector<std::string>{}
                                                    : write_pictures(folder, path, b.row.name, problem.empty());

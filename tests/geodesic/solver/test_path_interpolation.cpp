@@ -49,6 +49,30 @@ TYPED_TEST(PathInterpolation, InverseUndoesTheDeformation) {
     }
 }
 
+TYPED_TEST(PathInterpolation, APathWalkedBackEndsWhereItBegan) {
+    constexpr int Dim = TypeParam::value;
+    auto path = two_steps<Dim>(5);
+    path.deformation_energy = {1.0, 2.0};
+    path.mismatch_energy = {3.0, 4.0};
+    const auto back = reversed(path);
+    EXPECT_EQ(back.deformation_energy, (std::vector{2.0, 1.0}));
+    EXPECT_EQ(back.mismatch_energy, (std::vector{4.0, 3.0}));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(back.shapes[k].values, path.shapes[2 - k].values);
+    const auto there = deformation_at(path, 1.0), home = deformation_at(back, 1.0);
+    const double h = there.grid().spacing();
+    double moved = 0.0;
+    for (std::size_t i = 0; i < there.grid().node_count(); ++i) {
+        const auto x = there.grid().position(there.grid().node(i));
+        Point<Dim> y = x;
+        for (std::size_t a = 0; a < Dim; ++a) y[a] += there.displacement.components[a][i];
+        for (std::size_t a = 0; a < Dim; ++a) {
+            moved = std::max(moved, std::abs(y[a] - x[a]));
+            EXPECT_NEAR(y[a] + q1::value(home.grid(), home.displacement.components[a].data(), y), x[a], 0.1 * h);
+        }
+    }
+    EXPECT_GT(moved, h);
+}
+
 TYPED_TEST(PathInterpolation, EndsAndStepsAreThoseOfThePath) {
     constexpr int Dim = TypeParam::value;
     const auto path = two_steps<Dim>(4);

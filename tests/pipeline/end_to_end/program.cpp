@@ -127,6 +127,10 @@ void write_file(const fs::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
+fs::path schema(const std::string& name) {
+    return fs::path(MORPHODESIC_SOURCE_DIR) / "reports" / name;
+}
+
 void make_disks(const fs::path& folder, int n, int pixels) {
     const Outcome made = morphodesic({"datasets", "disks", "--out", folder.string(), "--count", std::to_string(n),
                                       "--size", std::to_string(pixels), "--quiet"});

@@ -50,6 +50,9 @@ private:
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& bytes);
 
+/// The schema of an answer or a report, by the name of its file.
+std::filesystem::path schema(const std::string& name);
+
 /// A collection of n disks on pictures of so many pixels a side; small and quick at --level 4.
 void make_disks(const std::filesystem::path& folder, int n, int pixels = 64);
 

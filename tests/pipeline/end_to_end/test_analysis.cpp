@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// Two groups of three points on a line, as R writes it: all names in quotes, NA where nothing is known.
-constexpr const char* table =
+constexpr const char* two_groups =
     "\"\",\"a1\",\"a2\",\"a3\",\"b1\",\"b2\",\"b3\"\n"
     "\"a1\",0,1,2,10,11,12\n"
     "\"a2\",1,0,1,9,10,11\n"
@@ -42,7 +42,7 @@ double accuracy(const fs::path& file, const std::string& row) {
 
 TEST(AnalyzeTable, AnyDistanceTableBecomesTablesOfResults) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     write_file(folder / "labels.csv", classes);
     const Outcome done =
         morphodesic({"analyze", (folder / "d.csv").string(), "--labels", (folder / "labels.csv").string()});
@@ -65,7 +65,7 @@ TEST(AnalyzeTable, AnyDistanceTableBecomesTablesOfResults) {
 
 TEST(AnalyzeTable, TheShareOfRightNeighboursSaysOfWhichShapesItIs) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     const auto sentence = [&](const std::string& labels) {
         write_file(folder / "labels.csv", "file,label\n" + labels);
         const Outcome done =
@@ -101,8 +101,8 @@ TEST(AnalyzeTable, ShapesWithoutDistancesAreSaid) {
 
 TEST(AnalyzeTable, ErrorBarsDecideWhatIsSaidOfClusters) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
-    std::string errors = table;
+    write_file(folder / "d.csv", two_groups);
+    std::string errors = two_groups;
     for (std::size_t at = 0; (at = errors.find("NA", at)) != std::string::npos;) errors.replace(at, 2, "12");
     write_file(folder / "errors.csv", errors);  // as large as the distances: nothing is certain
     const Outcome done = morphodesic({"analyze", (folder / "d.csv").string(), "--clusters", "3", "--errors",
@@ -131,7 +131,7 @@ TEST(AnalyzeTable, TwoDirectionsMustBeAskedFor) {
 
 TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     write_file(folder / "q.csv", ",b1,b2,b3,a1,a2,a3\nlike b2,1,0,1,11,10,9\n");  // columns in another order
     write_file(folder / "ranking.csv", "file,rank,template,class,distance\nq,1,a1,,1\nq,2,a3,,1\nq,3,b1,,9\n");
     for (const char* queries : {"q.csv", "ranking.csv"}) {
@@ -221,7 +221,7 @@ TEST(AnalyzeTable, QueriesArePlacedWhereTheyBelong) {
 /// Two thousand shapes have two million pairs: nothing of the size of a geodesic is kept for each.
 TEST(AnalyzeTable, TablesKeepNoGeodesics) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     const pipeline::StudyData data = pipeline::read_given_matrix(folder / "d.csv", {});
     EXPECT_EQ(data.distances.pair_count(), 15u);
     EXPECT_EQ(data.pairs.capacity() + data.backward.capacity(), 0u);
@@ -230,7 +230,7 @@ TEST(AnalyzeTable, TablesKeepNoGeodesics) {
 
 TEST(ReportOfTable, PlacedQueriesComeAndGo) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     write_file(folder / "q.csv", ",a1,a2,a3,b1,b2,b3\n<i>like a2</i>,1,0,1,9,10,11\nunknown,,,,,,\n");
     const std::string distances = (folder / "d.csv").string();
     const fs::path out = folder / "d.analysis";
@@ -347,7 +347,7 @@ cat(length(tables) + 1, "tables\n")
 
 TEST(ReportOfTable, IsAPageWithoutGeodesics) {
     const TemporaryFolder folder;
-    write_file(folder / "d.csv", table);
+    write_file(folder / "d.csv", two_groups);
     const Outcome done = morphodesic({"report", (folder / "d.csv").string(), "--out", (folder / "out").string()});
     ASSERT_EQ(done.code, 0) << done.err;
     const std::string page = read_file(folder / "out" / "report.html");

@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 
-const fs::path reports = fs::path(MORPHODESIC_SOURCE_DIR) / "reports";
-
 TEST(Study, ARunLeavesEverythingTheContractNames) {
     const TemporaryFolder folder;
     make_disks(folder / "disks", 5);
@@ -37,7 +35,7 @@ TEST(Study, ARunLeavesEverythingTheContractNames) {
     // Larger and larger disks: the distance grows with the difference of the radii.
     for (std::size_t i = 2; i < 5; ++i) EXPECT_GT(distances(0, i), distances(0, i - 1));
     const json report = json::parse(read_file(folder / "disks.study" / "report.json"));
-    EXPECT_EQ(schema_errors(report, reports / "report.schema.json"), "");
+    EXPECT_EQ(schema_errors(report, schema("report.schema.json")), "");
     EXPECT_EQ(report["shapes"].size(), 5u);
 }
 
@@ -379,105 +377,6 @@ TEST(Study, NamesMayHoldAnything) {
     const auto distances = analysis::read_distance_csv(folder / "odd.study/distances.csv");
     EXPECT_THAT(distances.labels(), testing::UnorderedElementsAreArray(names));
     EXPECT_EQ(distances.missing_count(), 0u);
-}
-
-TEST(Geodesic, OnePairAsJsonAndPictures) {
-    const TemporaryFolder folder;
-    make_disks(folder / "disks", 3);
-    const Outcome done =
-        morphodesic(quick({"geodesic", (folder / "disks/disk-01.png").string(), (folder / "disks/disk-03.png").string(),
-                           "--json", "--out", (folder / "path").string()}));
-    ASSERT_EQ(done.code, 0) << done.err;
-    const json result = json::parse(done.out);
-    for (const char* key : {"path_length", "path_energy", "error", "min_det", "termination"}) {
-        EXPECT_TRUE(result.contains(key)) << key;
-    }
-    EXPECT_EQ(schema_errors(json::parse(read_file(folder / "path/geodesic.json")), reports / "geodesic.schema.json"),
-              "");
-    EXPECT_GT(result["path_length"], 0.05);
-    EXPECT_LE(std::pow(result["path_length"].get<double>(), 2), result["path_energy"].get<double>() * (1 + 1e-12));
-    EXPECT_EQ(result["termination"], "converged");
-    for (const char* name : {"step-00.png", "step-01.png", "step-02.png", "colours.json", "geodesic.json"}) {
-        EXPECT_TRUE(fs::exists(folder / "path" / name)) << name;
-    }
-    // A shorter path leaves no pictures of the longer one, and nothing else is touched.
-    std::ofstream(folder / "path/step-99.png") << "not ours";
-    ASSERT_EQ(morphodesic({"geodesic", (folder / "disks/disk-01.png").string(), (folder / "disks/disk-02.png").string(),
-                           "--quiet", "--level", "4", "--steps", "1", "--out", (folder / "path").string()})
-                  .code,
-              0);
-    EXPECT_TRUE(fs::exists(folder / "path/step-01.png"));
-    EXPECT_FALSE(fs::exists(folder / "path/step-02.png"));
-    EXPECT_TRUE(fs::exists(folder / "path/step-99.png"));
-    // Equal shapes have no path to draw; the result is that of this pair all the same.
-    fs::copy_file(folder / "disks/disk-01.png", folder / "copy.png");
-    const Outcome equal = morphodesic(quick({"geodesic", (folder / "disks/disk-01.png").string(),
-                                             (folder / "copy.png").string(), "--out", (folder / "path").string()}));
-    EXPECT_EQ(equal.code, 0) << equal.err;
-    EXPECT_THAT(equal.out, HasSubstr("no pictures"));
-    EXPECT_FALSE(fs::exists(folder / "path/step-00.png"));
-    const json written = json::parse(read_file(folder / "path/geodesic.json"));
-    EXPECT_EQ(schema_errors(written, reports / "geodesic.schema.json"), "");
-    EXPECT_EQ(written["path_length"], 0.0);
-    EXPECT_THAT(written["b"].get<std::string>(), HasSubstr("copy.png"));
-}
-
-TEST(Geodesic, TheOptionsInTheReportGiveTheDistanceOfTheStudy) {
-    const TemporaryFolder folder;
-    make_disks(folder / "disks", 4);
-    ASSERT_EQ(morphodesic(quick({"run", (folder / "disks").string(), "--quiet", "--paths", "1"})).code, 0);
-    const json report = json::parse(read_file(folder / "disks.study/report.json"));
-    const json path = report["paths"][0];
-    std::vector<std::string> words{"geodesic", "--json"};
-    for (const char* end : {"a", "b"}) {
-        words.push_back(
-            (folder / "disks" / report["shapes"][path[end].get<std::size_t>()]["name"].get<std::string>()).string());
-    }
-    for (const auto& word : report["geodesic_options"]) words.push_back(word.get<std::string>());
-    const Outcome again = morphodesic(words);
-    ASSERT_EQ(again.code, 0) << again.err;
-    EXPECT_EQ(json::parse(again.out)["path_length"], path["path_length"]);
-}
-
-/// From A to B there are two ways; the alignment that overlaps most leads to the longer one.
-TEST(Geodesic, MoreStartsFindTheLowerOfTwoPaths) {
-    const TemporaryFolder folder;
-    const std::string letters = (folder / "letters").string(), name = "-DejaVuSansBold001.png";
-    const Outcome made =
-        morphodesic({"datasets", "letters", "--characters", "AB", "--count", "2", "--font",
-                     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf", "--out", letters, "--quiet"});
-    ASSERT_EQ(made.code, 0) << made.err;
-    const auto energy = [&](const char* starts) {
-        const Outcome done = morphodesic({"geodesic", letters + "/A" + name, letters + "/B" + name, "--preset", "fast",
-                                          "--level", "5", "--starts", starts, "--json"});
-        return json::parse(done.out)["total_energy"].get<double>();
-    };
-    EXPECT_LT(energy("8"), 0.95 * energy("1"));
-}
-
-TEST(Geodesic, AMaskOfTheSecondShapeIsNotLeftOutInSilence) {
-    const TemporaryFolder folder;
-    make_disks(folder / "disks", 2);
-    const std::string disks = (folder / "disks").string();
-    ASSERT_EQ(morphodesic({"datasets", "occlude", disks, "--out", disks + ".occluded", "--quiet"}).code, 0);
-    const std::string hidden = disks + ".occluded/disk-01.png", whole = disks + "/disk-02.png";
-    const json second = json::parse(morphodesic(quick({"geodesic", whole, hidden, "--json"})).out);
-    ASSERT_EQ(second["remarks"].size(), 1u);
-    EXPECT_THAT(second["remarks"][0], HasSubstr("give this one first"));
-    EXPECT_FALSE(json::parse(morphodesic(quick({"geodesic", hidden, whole, "--json"})).out).contains("remarks"));
-    EXPECT_THAT(
-        json::parse(
-            morphodesic(quick({"geodesic", hidden, disks + ".occluded/disk-02.png", "--json"})).out)["remarks"][0],
-        Not(HasSubstr("give this one first")));
-}
-
-TEST(Geodesic, AShapeHasDistanceZeroToItself) {
-    const TemporaryFolder folder;
-    make_disks(folder / "disks", 1);
-    const std::string file = (folder / "disks/disk-01.png").string();
-    const Outcome done = morphodesic(quick({"geodesic", file, file, "--json"}));
-    ASSERT_EQ(done.code, 0) << done.err;
-    EXPECT_EQ(json::parse(done.out)["path_length"], 0.0);
 }
 
 TEST(Datasets, EveryKindIsMadeAndTheSameForTheSameSeed) {
