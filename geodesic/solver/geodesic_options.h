@@ -18,7 +18,7 @@ struct GeodesicOptions {
     double rim_width = 0.5;                  ///< eps / h in H_eps, > 0; the paper has 1, half of it halves the error
     double area_weight = 0.0;                ///< nu in (14), >= 0
     bool preserve_volume = false;            ///< shapes between keep the area (volume) interpolated between the ends
-    double tolerance = 5e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
+    double tolerance = 1e-3;                 ///< stop: relative decrease of the energy over five iterations, > 0
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
     int starts = 24;                         ///< alignments from which the search starts, >= 1
