@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "geodesic/energy/end_stiffness.h"
 #include "geodesic/solver/volume_constraint.h"
 
 namespace morphodesic {
@@ -22,6 +23,19 @@ double share_in_time(const std::vector<LevelReport>& levels) {
         return after.path_length > 0 ? std::abs(after.path_length - before.path_length) / after.path_length : 0.0;
     }
     return 0.0;
+}
+
+/// By how much the length changes where each step has the mean of the energies with the stiffness of either of its ends
+/// (trapezoid rule): much where material appears or vanishes in long steps.
+template <int Dim>
+double change_by_end_stiffness(const GeodesicResult<Dim>& result) {
+    double length = 0.0;
+    for (std::size_t k = 0; k < result.deformations.size(); ++k) {
+        const double at_end = end_deformation_energy(result.deformations[k], result.shapes[k + 1], result.options);
+        length += std::sqrt(0.5 * (result.deformation_energy[k] + at_end));
+    }
+    const double change = std::abs(length - result.path_length);
+    return result.deformations.empty() || !std::isfinite(change) ? 0.0 : change;
 }
 
 /// Change of the length by the last halving of the grid, both solves with the wide rim and the time steps that the
@@ -68,7 +82,7 @@ void add_error_bar(GeodesicResult<Dim>& result, double wide_length, double wide_
     const double share = all ? 1.0 : masked ? 0.0 : 1.0 - smaller / larger;
     double energy = result.path_energy;
     for (const double mismatch : result.mismatch_energy) energy += options.eta(steps) * mismatch;
-    result.error = std::max(in_space, share * (energy / length - length)) + left;
+    result.error = std::max({in_space, share * (energy / length - length), change_by_end_stiffness(result)}) + left;
 }
 
 template void add_error_bar<2>(GeodesicResult<2>&, double, double, bool);

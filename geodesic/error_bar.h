@@ -20,8 +20,12 @@ namespace morphodesic {
 /// E = l (l + d), so d = E / l - l (too much where the mismatch saturates; E without the area term). All of it
 /// counts where one step or a soft mismatch allows it, else as much as the sizes of the shapes differ: the larger
 /// one has material that the smaller one has to fill or to leave. The rest is told by the doubling. Of a shape that
-/// is partly hidden sizes are not known. What the grid and the rim leave is a part of d, so the larger of the two
-/// counts.
+/// is partly hidden sizes are not known.
+///
+/// And (13) weighs a step with the shape that it begins with. Where a dot grows much, material appears in cells that
+/// are empty then, for next to nothing; the trapezoid rule, the mean of both ends, tells how much that is.
+///
+/// What the grid and the rim leave is a part of either, so the largest of the three counts.
 /// @param wide_length  length on the last level with all time steps and the wide rim
 /// @param wide_rim     its eps / h
 /// @param masked       a part of the first shape is hidden

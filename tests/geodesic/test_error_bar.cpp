@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "geodesic/error_bar.h"
 #include "tests/support/path_problems.h"
@@ -87,6 +89,21 @@ TEST(ErrorBar, LeavesAPartToTheMismatchOfOneStepOrOfShapesOfOtherSizes) {
     EXPECT_NEAR(r.error, 0.5 * 4.0 + 1e-3, 0.02);
     add_error_bar(r, 1.0, 1.0, true);
     EXPECT_NEAR(r.error, 1e-3, 1e-12) << "sizes of what is hidden are not known";
+}
+
+/// Of a dot that grows much, long steps strew more dots over the background, where they cost nothing, and these grow.
+TEST(ErrorBar, HoldsForADotThatGrowsTwelvefold) {
+    GeodesicOptions options;
+    options.starts = 1;
+    const double exact = std::sqrt(8 * std::numbers::pi) * (0.35 - 0.03);
+    for (const auto& [level, steps] : {std::pair(5, 2), {6, 2}, {6, 4}}) {
+        options.level = level;
+        options.time_steps = steps;
+        const auto path =
+            compute_discrete_geodesic<2>(tests::ball<2>(level + 1, 0.03), tests::ball<2>(level + 1, 0.35), options);
+        EXPECT_LT(path.path_length, 0.6 * exact) << "no case of what is tested";
+        EXPECT_LE(exact - path.path_length, path.error) << "level " << level << ", " << steps << " steps";
+    }
 }
 
 /// A disk with teeth.
