@@ -260,7 +260,7 @@ Figure figure_accuracy(const FigureOptions& options) {
         "the stiffness of a step is that of the shape it begins with, in (13): gaps that close, as between the feet of "
         "the A, cost too little in long steps, an error of first order in 1 / K");
     report.check("spread over K, B to A", spread(ba.lengths), quick ? 0.15 : 0.03,
-                 "the direction that studies choose, from the fuller shape: gaps open");
+                 "the direction that studies and `geodesic` choose, from the fuller shape: gaps open");
     report.check("spread over K, X to M", spread(xm.lengths), quick ? 0.10 : 0.03, "the same: gaps open");
     report.check("spread over K, M to X", spread(mx.lengths), quick ? 0.15 : 0.03,
                  "as from A to B: the gaps of the M close");

@@ -12,13 +12,7 @@
 #include "end_to_end/program.h"
 #include "pipeline/pair_graph.h"
 
-#if defined(__has_feature)
-#define SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#else
-#define SANITIZED 0
-#endif
-
-#if !SANITIZED  // they have a pthread_create of their own
+#ifndef MORPHODESIC_SANITIZED  // sanitizers have a pthread_create of their own
 namespace {
 std::atomic<bool> no_more_threads{false};
 }

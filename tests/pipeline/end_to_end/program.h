@@ -11,8 +11,8 @@
 namespace morphodesic::tests {
 
 /// Whether the program under test carries the address or the thread sanitizer.
-#if defined(__has_feature)
-inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#ifdef MORPHODESIC_SANITIZED
+inline constexpr bool sanitized = true;
 #else
 inline constexpr bool sanitized = false;
 #endif
