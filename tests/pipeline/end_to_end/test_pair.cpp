@@ -81,7 +81,15 @@ TEST(Geodesic, ADistanceDoesNotDependOnWhichShapeIsNamedFirst) {
     json energies = back["deformation_energy"];
     std::reverse(energies.begin(), energies.end());
     EXPECT_EQ(there["deformation_energy"], energies);
-    EXPECT_EQ(there["rotation"][1], back["rotation"][2]);
+    // The motion of a onto b is the inverse of that of b onto a.
+    for (std::size_t i = 0; i < 2; ++i) {
+        double translation = 0.0;
+        for (std::size_t j = 0; j < 2; ++j) {
+            EXPECT_EQ(there["rotation"][2 * i + j], back["rotation"][2 * j + i]);
+            translation -= there["rotation"][2 * i + j].get<double>() * back["translation"][j].get<double>();
+        }
+        EXPECT_NEAR(there["translation"][i], translation, 1e-12);
+    }
 
     const bool from_a = there["path_from"] == a;
     const json as_named = from_a ? solved(a, b, {"--direction", "given"}) : solved(b, a, {"--direction", "given"}),
