@@ -356,11 +356,21 @@ RunSettings settings_of_study(const ResultStore& store) {
         "the settings of the study are lost; give the command that made it again (morphodesic run FOLDER)");
 }
 
+namespace {
+
+/// Rounds to the 32-bit floats that the store keeps.
 void round_as_stored(std::vector<double>& values) {
     for (double& x : values) x = static_cast<double>(static_cast<float>(x));
 }
 
-namespace {
+/// The fields of a shape, rounded: whoever computes with it sees the numbers of the store.
+template <int Dim>
+void take_fields(ImportedShape<Dim>& result, LevelSet<Dim> level_set, ScalarField<Dim> mask) {
+    round_as_stored(level_set.values);
+    round_as_stored(mask.values);
+    result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(level_set));
+    if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
+}
 
 /// The shape of an entry before it is placed: as it was measured, or read anew.
 template <int Dim>
@@ -376,15 +386,19 @@ datasets::RawShape<Dim> raw_shape(const CollectionEntry& entry, const datasets::
 }  // namespace
 
 template <int Dim>
+void take_shape(ImportedShape<Dim>& result, datasets::Shape<Dim> shape) {
+    result.row.content_digest = shape.digest;
+    result.row.volume = shape.volume;
+    result.row.fullness = shape.fullness;
+    result.row.scale = shape.scale;
+    result.row.notes = shape.notes;
+    take_fields(result, std::move(shape.level_set), std::move(shape.occlusion_mask));
+}
+
+template <int Dim>
 ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index, const ResultStore& store) {
     const CollectionEntry& entry = collection.entries[index];
     ImportedShape<Dim> result{index, entry.row, entry.needs_import, nullptr, nullptr};
-    const auto take = [&](LevelSet<Dim> level_set, ScalarField<Dim> mask) {
-        round_as_stored(level_set.values);
-        round_as_stored(mask.values);
-        result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(level_set));
-        if (!mask.values.empty()) result.mask = std::make_shared<const ScalarField<Dim>>(std::move(mask));
-    };
     if (!entry.row.problem.empty()) {
         result.fresh = true;
         return result;
@@ -393,7 +407,7 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
         try {
             ScalarField<Dim> mask;
             LevelSet<Dim> level_set = store.level_set<Dim>(entry.row.content_digest, &mask);
-            take(std::move(level_set), std::move(mask));
+            take_fields(result, std::move(level_set), std::move(mask));
             return result;
         } catch (const StoreError&) {
             // Missing or damaged: the file itself still has everything, if it is there.
@@ -411,12 +425,7 @@ ImportedShape<Dim> import_entry(const Collection& collection, std::size_t index,
             throw datasets::ReadError(entry.source.path, "the file changed while the study was reading it",
                                       "give the same command again");
         }
-        result.row.content_digest = shape.digest;
-        result.row.volume = shape.volume;
-        result.row.fullness = shape.fullness;
-        result.row.scale = shape.scale;
-        result.row.notes = shape.notes;
-        take(std::move(shape.level_set), std::move(shape.occlusion_mask));
+        take_shape(result, std::move(shape));
     } catch (const std::exception&) {
         result.row.problem = problem_of_file(entry.row.path, "; use a smaller file or a lower --level");
     }
@@ -449,6 +458,8 @@ std::vector<SolidReach> solid_reaches(const Collection& collection, const Result
     return reaches;
 }
 
+template void take_shape<2>(ImportedShape<2>&, datasets::Shape<2>);
+template void take_shape<3>(ImportedShape<3>&, datasets::Shape<3>);
 template ImportedShape<2> import_entry<2>(const Collection&, std::size_t, const ResultStore&);
 template ImportedShape<3> import_entry<3>(const Collection&, std::size_t, const ResultStore&);
 

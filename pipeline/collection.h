@@ -99,6 +99,11 @@ struct ImportedShape {
     std::shared_ptr<const ScalarField<Dim>> mask;    ///< null: known everywhere
 };
 
+/// Fills row and fields from a placed shape; fields are rounded to the 32-bit floats that the store keeps, so that
+/// whoever computes with them sees the numbers of the store.
+template <int Dim>
+void take_shape(ImportedShape<Dim>& result, datasets::Shape<Dim> shape);
+
 /// Reads, places and samples one shape, or takes it from the store. What is wrong with the file becomes row.problem.
 /// May be called from several threads.
 template <int Dim>
@@ -108,9 +113,6 @@ template <int Dim>
 /// How far the solids of a collection reach; those that are not read yet and were not measured are taken as balls.
 /// None in the plane.
 [[nodiscard]] std::vector<SolidReach> solid_reaches(const Collection& collection, const ResultStore& store);
-
-/// Rounds to the 32-bit floats that the store keeps: whoever computes with a shape sees the numbers of the store.
-void round_as_stored(std::vector<double>& values);
 
 /// Calls f.template operator()<2>() or <3>(): below this line everything is a template on the dimension.
 template <class F>

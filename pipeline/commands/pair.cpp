@@ -41,21 +41,10 @@ void remove_former_pictures(const std::filesystem::path& folder) {
 
 template <int Dim>
 ImportedShape<Dim> placed(const datasets::RawShape<Dim>& raw, const datasets::NormalizeOptions& placement) {
-    datasets::Shape<Dim> shape = datasets::normalize(raw, placement);
-    round_as_stored(shape.level_set.values);
-    round_as_stored(shape.occlusion_mask.values);
     ImportedShape<Dim> result;
     result.row.name = raw.source.path.string();
-    result.row.content_digest = shape.digest;
-    result.row.volume = shape.volume;
     result.row.extent_radius = raw.extent_radius;
-    result.row.fullness = shape.fullness;
-    result.row.scale = shape.scale;
-    result.row.notes = shape.notes;
-    result.level_set = std::make_shared<const LevelSet<Dim>>(std::move(shape.level_set));
-    if (!shape.occlusion_mask.values.empty()) {
-        result.mask = std::make_shared<const ScalarField<Dim>>(std::move(shape.occlusion_mask));
-    }
+    take_shape(result, datasets::normalize(raw, placement));
     return result;
 }
 
