@@ -38,6 +38,11 @@ constexpr double start_tolerance = 5e-3, search_tolerance = 2e-2;  // of the ene
 // iterations there would. No more than so much of the energy.
 constexpr double wide_rim_share = 5.0, wide_rim_tolerance = 1e-2;
 
+// While rounds are left, the last solve gets so many iterations: what creeps on is stuck in cracks. It is loosened with
+// a rim wider by this than the wide one, and a tolerance larger by that.
+constexpr int long_solve = 45, unlimited = std::numeric_limits<int>::max();
+constexpr double loose_rim = 1.5, loose_tolerance = 2.0;
+
 /// From this level on solves look at a window around the shapes.
 constexpr int window_level = 5;
 
@@ -163,7 +168,7 @@ private:
     }
 
     /// Minimises on the level and K of the path, with the given rim.
-    void solve(Start<Dim>& start, int folds, double rim_width, double tolerance) {
+    void solve(Start<Dim>& start, int folds, double rim_width, double tolerance, int at_most = unlimited) {
         const auto begin = Clock::now();
         const int level = start.path.layout.grid.level(), steps = start.path.layout.time_steps;
         GeodesicOptions options = options_;
@@ -172,7 +177,7 @@ private:
         PathEnergy<Dim> energy(first_on(start.motion, level), restricted(b_, level), steps, options, mask);
         MinimizerOptions minimizer;
         minimizer.tolerance = tolerance * std::min(1.0, static_cast<double>(many_steps) / steps);
-        minimizer.max_iterations = options_.max_iterations;
+        minimizer.max_iterations = std::min(at_most, options_.max_iterations);
         std::optional<PathWindow<Dim>> window;
         if (level >= window_level) window = PathWindow<Dim>::around(start.path, energy.first(), energy.last());
         const auto summary = window ? minimize_on(*window, start.path, energy, mask, minimizer, folds)
@@ -310,10 +315,34 @@ private:
         }
     }
 
-    /// Solves with the wanted rim from where the wide one led to. @return length with the wide rim
-    double make_rim_narrow(Start<Dim>& start) {
-        const double wide = start.terms.path_length();
-        solve(start, 0, options_.rim_width, options_.tolerance);
+    /// The path smoothed, and solved with a wider rim: it leaves cracks that more iterations do not get it out of.
+    Start<Dim> loosened(Start<Dim> start) {
+        const int folds = smooth_deformations(start.path);
+        solve(start, folds, loose_rim * wide_rim(), loose_tolerance * wide_tolerance());
+        return start;
+    }
+
+    /// Makes the rim narrow. A path that does not settle soon is loosened and settled anew, once a round.
+    /// @return length with the wide rim, as much shorter as the path became by the rounds
+    double settle(Start<Dim>& best) {
+        double wide = best.terms.path_length();
+        int rounds = Dim == 2 && options_.max_iterations > long_solve ? options_.rounds : 0;
+        const auto make_rim_narrow = [&](Start<Dim>& start) {
+            solve(start, 0, options_.rim_width, options_.tolerance, rounds > 0 ? long_solve : unlimited);
+        };
+        make_rim_narrow(best);
+        while (rounds > 0 && best.termination == Termination::max_steps) {
+            --rounds;
+            Start<Dim> again = loosened(best);
+            make_rim_narrow(again);
+            if (again.termination != Termination::no_descent && again.terms.total < best.terms.total) {
+                wide *= again.terms.path_length() / best.terms.path_length();
+                best = std::move(again);
+            } else {
+                rounds = 0;
+                make_rim_narrow(best);
+            }
+        }
         return wide;
     }
 
@@ -328,17 +357,7 @@ private:
             solve(best, folds, wide_rim(), wide_tolerance());
         }
         double_steps_up_to(best, options_.time_steps);
-        double wide = make_rim_narrow(best);
-        // With the wide rim a path leaves cracks that more iterations with the narrow one do not get it out of.
-        for (int round = 0; Dim == 2 && round < options_.rounds; ++round) {
-            Start<Dim> again = best;
-            solve(again, 0, wide_rim(), wide_tolerance());
-            const double wide_again = make_rim_narrow(again);
-            if (again.termination != Termination::converged || !(again.terms.total < best.terms.total)) break;
-            wide = wide_again;
-            best = std::move(again);
-        }
-        return wide;
+        return settle(best);
     }
 
     static double min_det_of(const PathState<Dim>& path) {

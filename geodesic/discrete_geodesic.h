@@ -21,7 +21,7 @@ struct LevelReport {
     double path_length = 0.0;
     double min_det = 0.0;    ///< least det D phi at points and corners of cells; of the last level the certified bound
     int folds_repaired = 0;  ///< cells in which the prolonged deformation folded and was repaired
-    Termination termination = Termination::converged;
+    Termination termination = Termination::converged;  ///< max_steps also where a round goes on with a wider rim
     double seconds = 0.0;
 };
 

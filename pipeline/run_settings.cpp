@@ -67,12 +67,12 @@ const std::vector<Preset>& presets() {
          "            letters: error bars of 30 to 50 %; thin shapes that bend come out too long",
          5, 2, 1e-2, 3, 0},
         {"standard",
-         "level 6, 8 steps: for studies; 0.18 s of a core per 2D pair. Disks: 5 % short, extrapolated within 1.5 %", 6,
-         8, 1e-3, 24, 0},
+         "level 6, 8 steps: for studies; 0.2 s of a core per 2D pair. Disks: 5 % short, extrapolated within 1.5 %", 6,
+         8, 1e-3, 24, 2},
         {"fine",
-         "level 7, 8 steps: for final numbers; eight times the cost of standard. Disks: 2.5 % short, extrapolated\n"
+         "level 7, 8 steps: for final numbers; five times the cost of standard. Disks: 2.5 % short, extrapolated\n"
          "            within 0.5 %",
-         7, 8, 2.5e-4, 24, 1},
+         7, 8, 2.5e-4, 24, 2},
     };
     return all;
 }

@@ -89,6 +89,6 @@ void take_preset(RunSettings& settings, const std::string& name);
 
 /// Part of every settings hash. To be raised when a change of the solver changes its numbers, so that results of
 /// different solvers never share a matrix.
-inline constexpr int solver_revision = 22;
+inline constexpr int solver_revision = 23;
 
 }  // namespace morphodesic::pipeline

@@ -115,6 +115,21 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds) {
 }
 
 template <int Dim>
+int smooth_deformations(PathState<Dim>& path) {
+    const auto& grid = path.layout.grid;
+    for (int k = 1; k <= path.layout.time_steps; ++k) {
+        for (double* w : path.layout.displacements(path.x.data(), k)) {
+            ScalarField<Dim> field(grid);
+            std::copy_n(w, field.values.size(), field.values.begin());
+            const auto coarse = restricted(field, grid.level() - 1);
+            std::fill_n(w, field.values.size(), 0.0);
+            add_prolonged<Dim, double>(coarse.grid, coarse.values.data(), w);
+        }
+    }
+    return repair_folds(path);
+}
+
+template <int Dim>
 void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const LevelSet<Dim>& last, double eps) {
     const auto& grid = path.layout.grid;
     const int steps = path.layout.time_steps;
@@ -170,6 +185,7 @@ void transport_shapes(PathState<Dim>& path, const LevelSet<Dim>& first, const Le
     template PathState<Dim> split_in_time<Dim>(const PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, \
                                                int&);                                                             \
     template PathState<Dim> prolong_in_space<Dim>(const PathState<Dim>&, int&);                                   \
+    template int smooth_deformations<Dim>(PathState<Dim>&);                                                       \
     template void transport_shapes<Dim>(PathState<Dim>&, const LevelSet<Dim>&, const LevelSet<Dim>&, double);
 MORPHODESIC_INSTANTIATE(2)
 MORPHODESIC_INSTANTIATE(3)

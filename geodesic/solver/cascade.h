@@ -36,6 +36,11 @@ PathState<Dim> prolong_in_space(const PathState<Dim>& path, int& folds);
 template <int Dim>
 int repair_folds(PathState<Dim>& path, double threshold = 0.05);
 
+/// Leaves of every deformation what the next coarser grid can tell: its values at that grid's nodes, multilinear in
+/// between. Folds are repaired. @return number of cells that folded
+template <int Dim>
+int smooth_deformations(PathState<Dim>& path);
+
 /// Replaces the shapes between by the best ones for the deformations of the path: along the trajectories H_eps(u_k) is
 /// blended linearly between H_eps(u_0), carried along by phi_k o ... o phi_1, and H_eps(u_K), pulled back by
 /// phi_K o ... o phi_{k+1}. That minimises the mismatch part of (14) exactly (it is quadratic in H_eps(u_k) along

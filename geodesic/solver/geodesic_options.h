@@ -22,7 +22,7 @@ struct GeodesicOptions {
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
     int starts = 24;                         ///< alignments from which the search starts, >= 1
-    int rounds = 0;                          ///< times a path in 2D is settled anew while that lowers its energy, >= 0
+    int rounds = 2;                          ///< times a path in 2D that is stuck is loosened and settled anew, >= 0
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
@@ -42,7 +42,7 @@ struct GeodesicOptions {
         visit("align", self.align, "motion removed before the solve: rigid, translation or none");
         visit("starts", self.starts, "alignments from which the search for the shortest path starts");
         visit("rounds", self.rounds,
-              "times a path in 2D is settled anew, with a wide and then the wanted rim, while its energy falls");
+              "times a path in 2D that does not settle soon is smoothed, loosened with a wide rim and settled anew");
     }
     /// Every violated constraint, in words; empty if the options are usable.
     [[nodiscard]] std::vector<std::string> problems() const;

@@ -61,6 +61,25 @@ TYPED_TEST(CascadeIn, SplittingKeepsTheDeformation) {
     }
 }
 
+TYPED_TEST(CascadeIn, SmoothingLeavesWhatTheCoarserGridCanTell) {
+    constexpr int dim = TypeParam::value;
+    int folds = 0;
+    auto path = prolong_in_space(state_of(tests::PathProblem<dim>(coarse_level(dim) - 1, 2, GeodesicOptions{})), folds);
+    ASSERT_EQ(folds, 0);
+    const auto before = path.x;
+    typename DyadicGrid<dim>::Index between;
+    between.fill(path.layout.grid.cells_per_axis() / 2 + 1);  // no node of the coarser grid
+    double& spike = path.x[path.layout.displacement(2, 0) + path.layout.grid.index(between)];
+    spike += 0.3 * path.layout.grid.spacing();
+    EXPECT_EQ(smooth_deformations(path), 0);
+    for (std::size_t i = 0; i < before.size(); ++i) ASSERT_NEAR(path.x[i], before[i], 1e-15);
+
+    for (int& node : between) node -= 1;  // one that it has, moved across the next
+    path.x[path.layout.displacement(1, 0) + path.layout.grid.index(between)] += 2.5 * path.layout.grid.spacing();
+    EXPECT_GT(smooth_deformations(path), 0);
+    EXPECT_GE(bound(path), 0.05);
+}
+
 TYPED_TEST(CascadeIn, ProlongedFoldIsRepaired) {
     // Two neighbouring nodes so close that the finer grid, or the one itself, folds.
     constexpr int dim = TypeParam::value;
