@@ -68,11 +68,11 @@ const std::vector<Preset>& presets() {
          5, 2, 1e-2, 3, 0},
         {"standard",
          "level 6, 8 steps: for studies; 0.2 s of a core per 2D pair. Disks: 5 % short, extrapolated within 1.5 %", 6,
-         8, 1e-3, 24, 2},
+         8, 1e-3, 24, 1},
         {"fine",
          "level 7, 8 steps: for final numbers; five times the cost of standard. Disks: 2.5 % short, extrapolated\n"
          "            within 0.5 %",
-         7, 8, 2.5e-4, 24, 2},
+         7, 8, 2.5e-4, 24, 1},
     };
     return all;
 }

@@ -22,7 +22,7 @@ struct GeodesicOptions {
     int max_iterations = 400;                ///< per level, > 0
     std::string align = "rigid";             ///< rigid | translation | none
     int starts = 24;                         ///< alignments from which the search starts, >= 1
-    int rounds = 2;                          ///< times a path in 2D that is stuck is loosened and settled anew, >= 0
+    int rounds = 1;                          ///< times a path in 2D that is stuck is loosened and settled anew, >= 0
 
     template <class Self, class Visitor>
     static void for_each_field(Self& self, Visitor&& visit) {
