@@ -199,8 +199,14 @@ TEST(DiscreteGeodesic, RoundsLowerTheEnergyWhereThePathDoesNotSettleSoon) {
     EXPECT_EQ(one.levels.back().rim_width, one.options.rim_width);
     EXPECT_EQ(one.termination, Termination::converged);
     EXPECT_GT(one.error, 0.0);
+    const auto two = solved(cross, ell, 2);  // the second begins where the first takes long, too
+    EXPECT_EQ(two.levels.size(), one.levels.size() + 2);
+    EXPECT_LE(two.total_energy, one.total_energy);
+    EXPECT_EQ(two.termination, Termination::converged);
 
-    EXPECT_EQ(solved(ell, ell, 1).path_length, 0.0);
+    const auto same = solved(ell, ell, 1);
+    EXPECT_EQ(same.path_length, 0.0);
+    EXPECT_EQ(same.termination, Termination::converged);
     // Nothing sticks where disks grow: the path settles soon, and no round is spent on it.
     const auto small = tests::ball<2>(6, 0.2), large = tests::ball<2>(6, 0.25);
     EXPECT_EQ(solved(small, large, 2).levels.size(), solved(small, large, 0).levels.size());
